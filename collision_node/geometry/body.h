@@ -1,0 +1,80 @@
+/// One link as the solver sees it: convex elements in the object's frame under a bounding volume hierarchy.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "collision_node/geometry/shape.h"
+
+namespace collision_node::geometry {
+
+/// A convex set: the hull of `count` vertices, or a solid cylinder, grown by `radius` in all directions.
+/// A triangle, box (8 vertices), convex hull, point/sphere (1 vertex) and capsule (2 vertices) are all of this form.
+struct Element {
+  const Vec3* vertices = nullptr;  ///< [m], object frame; null for a cylinder
+  int count = 0;
+  double radius = 0.0;  ///< [m]
+  // cylinder core, when vertices == nullptr
+  Vec3 centre = Vec3::Zero();
+  Vec3 axis = Vec3::UnitZ();  ///< unit
+  double rim_radius = 0.0;    ///< [m]
+  double half_length = 0.0;   ///< [m]
+  int shape = -1;             ///< index into the body's shapes
+  int triangle = -1;          ///< index into the mesh's triangles, -1 for a primitive
+};
+
+/// A node of the hierarchy. Boxes are axis-aligned in the object's frame and hold their elements, rounded outward.
+struct BvhNode {
+  Vec3 centre;
+  Vec3 half;             ///< half extents
+  double reach = 0.0;    ///< >= distance of any point of the node from the frame's origin
+  std::int32_t left = -1;   ///< child; the other child is left + 1. -1: a leaf
+  std::int32_t element = -1;  ///< a leaf's element
+};
+
+/// A closed mesh inside a body, for the inside test.
+struct SolidMesh {
+  int shape = -1;
+  std::int32_t first_element = 0, end_element = 0;  ///< its triangles
+};
+
+/// Immutable after construction; safe to share between threads.
+class Body {
+ public:
+  /// `shapes` are placed in the object's frame. Throws std::invalid_argument when empty.
+  explicit Body(std::vector<PlacedShape> shapes);
+
+  const std::vector<PlacedShape>& shapes() const { return shapes_; }
+  std::int32_t elementCount() const { return triangle_count_ + static_cast<std::int32_t>(primitives_.size()); }
+  /// Fills `buffer[0..2]` for a triangle; the returned view points into `buffer` or into the body.
+  Element element(std::int32_t id, Vec3* buffer) const;
+
+  const std::vector<BvhNode>& nodes() const { return nodes_; }  ///< [0] is the root
+  const std::vector<SolidMesh>& solids() const { return solids_; }
+  /// One point of every connected component of the body: if none is inside a solid, and the surfaces are apart,
+  /// nothing of this body is inside it.
+  const std::vector<Vec3>& representatives() const { return representatives_; }
+  double reach() const { return nodes_[0].reach; }  ///< >= distance of any point from the object's origin [m]
+  Vec3 centre() const { return nodes_[0].centre; }  ///< of the bounding sphere
+  double radius() const { return radius_; }         ///< of the bounding sphere about centre() [m]
+
+ private:
+  struct Triangle {
+    std::int32_t v[3];
+    std::int32_t shape;
+  };
+
+  std::vector<PlacedShape> shapes_;
+  std::vector<Vec3> vertices_;
+  std::vector<Triangle> triangles_;
+  std::vector<std::int32_t> first_triangle_of_shape_;
+  std::vector<Element> primitives_;
+  std::vector<std::int32_t> primitive_first_vertex_;
+  std::vector<BvhNode> nodes_;
+  std::vector<SolidMesh> solids_;
+  std::vector<Vec3> representatives_;
+  double radius_ = 0.0;
+  std::int32_t triangle_count_ = 0;
+};
+
+}  // namespace collision_node::geometry

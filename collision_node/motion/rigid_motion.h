@@ -1,0 +1,30 @@
+/// One object's motion over one segment: position a polynomial, orientation a constant rate about a fixed axis.
+#pragma once
+
+#include "collision_node/motion/stamped_pose.h"
+
+namespace collision_node::motion {
+
+/// s = seconds since start_ns:  p(s) = c[0] + c[1] s + c[2] s^2 + c[3] s^3,  q(s) = exp(omega s) q0  (world axes).
+/// `c[0]` and `q0` are the segment's first pose, unrounded. A fixed object has stamps 0 and only c[0], q0.
+struct RigidMotion {
+  Nanoseconds start_ns = 0;  ///< stamp of the segment's first pose
+  Nanoseconds end_ns = 0;    ///< stamp of its second pose
+  bool fixed = false;
+  Vec3 c[4] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< [m], [m/s], [m/s^2], [m/s^3]
+  Quat q0 = Quat::Identity();
+  Vec3 omega = Vec3::Zero();  ///< [rad/s]
+
+  /// world <- object at `s` seconds after start_ns; plain double evaluation, for reports, not for proofs.
+  Pose at(double s) const;
+  Vec3 velocity(double s) const { return c[1] + s * (2.0 * c[2] + 3.0 * s * c[3]); }
+};
+
+RigidMotion fixedAt(const Pose& pose);
+
+/// What tf2 does: straight line and shortest-arc slerp at constant rate. Requires from.stamp_ns < to.stamp_ns.
+/// The angle comes from atan2 (tf2's acos loses steps under 2e-8 rad). At exactly half a turn the arc is the one
+/// whose quaternion product from.conj * to has its first non-zero component positive after w >= 0 is enforced.
+RigidMotion straightSlerp(const StampedPose& from, const StampedPose& to);
+
+}  // namespace collision_node::motion

@@ -1,0 +1,94 @@
+/// Poses in, events out: tracks -> segments -> pieces -> verdicts -> events in order, with epochs and a watermark.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "collision_node/impact/pair_method.h"
+#include "collision_node/scene/scene.h"
+
+namespace collision_node::scene {
+
+struct EventSide {
+  std::string object, link, zone;
+  bool zone_certain = false;
+  int shape = -1;
+  impact::Feature feature = impact::Feature::kUnknown;
+  int triangle = -1;
+  Vec3 point = Vec3::Zero();  ///< in the link's frame [m]
+  Pose pose;                  ///< world <- link at toi_lower
+  Nanoseconds sample_before_ns = 0, sample_after_ns = 0;
+};
+
+/// All fields of Impact.msg as plain data.
+struct Event {
+  std::uint32_t epoch = 0;
+  std::uint64_t event_id = 0, contact_id = 0;
+  Nanoseconds stamp_ns = 0;  ///< interval_start + toi_lower, rounded down
+  impact::Kind kind;
+  impact::Certificate certificate;
+  impact::Reason reason;
+  Nanoseconds interval_start_ns = 0, interval_end_ns = 0;
+  double toi_lower = 0, toi_upper = 0;  ///< [s]
+  Vec3 position;
+  double position_error = 0;
+  bool multiple = false;
+  Vec3 normal;
+  double normal_error = 0;
+  Vec3 relative_velocity;
+  double closing_speed = 0;
+  double model_toi_lower, model_toi_upper, model_position_error;  ///< NaN unless asked
+  EventSide a, b;
+};
+
+/// Heartbeat: what has been decided up to `watermark_ns`, and what it cost. Counts are since the last heartbeat
+/// for pairs, totals for inputs.
+struct Stats {
+  std::uint32_t epoch = 0;
+  Nanoseconds stamp_ns = 0;      ///< data time of this heartbeat
+  Nanoseconds watermark_ns = 0;  ///< everything before it is decided and published; meaningless unless has_watermark
+  bool has_watermark = false;
+  std::uint64_t pairs_culled = 0, pairs_clear = 0, pairs_impact = 0, pairs_undecided = 0;  ///< sum = watched covered pairs
+  std::uint64_t pairs_uncovered = 0;
+  std::vector<std::string> uncovered_objects;
+  std::uint64_t accepted = 0, reordered = 0, late = 0, duplicate = 0, rejected = 0, lost = 0;
+  std::uint64_t node_tests = 0, subdivisions = 0, budget_met = 0;
+  double worst_bracket = 0;         ///< [s]
+  double worst_position_error = 0;  ///< [m]
+  double wall_time = 0;             ///< [s] filled by the caller, NaN if not measured
+};
+
+class Engine {
+ public:
+  struct Sinks {
+    std::function<void(const Event&)> event;  ///< in order: (epoch, toi, a, b, kind)
+    std::function<void(const Stats&)> stats;  ///< every stats_period of data time
+  };
+
+  Engine(std::shared_ptr<const Scene> scene, impact::MethodName method, Sinks sinks);
+  ~Engine();
+
+  /// Hands in one pose of `object` (index into Scene::objects), in any order. Bad poses are counted, not thrown.
+  /// `guessed_stamp`: the stamp was invented by the receiver.
+  void addPose(int object, motion::StampedPose pose, bool guessed_stamp = false);
+
+  /// /clock went back: every track's next pose starts a new epoch.
+  void clockWentBack();
+
+  /// The end (bag end, `~flush`, shutdown): releases all, decides, publishes. Open contacts stay open.
+  void flush();
+
+  /// `~reset`: flush, end open contacts with reason RESET, forget all poses, start a new epoch.
+  void reset();
+
+  Stats stats() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace collision_node::scene
