@@ -43,6 +43,8 @@ class Body {
  public:
   /// `shapes` are placed in the object's frame. Throws std::invalid_argument when empty.
   explicit Body(std::vector<PlacedShape> shapes);
+  Body(const Body&) = delete;  // elements point into their own body
+  Body& operator=(const Body&) = delete;
 
   const std::vector<PlacedShape>& shapes() const { return shapes_; }
   std::int32_t elementCount() const { return triangle_count_ + static_cast<std::int32_t>(primitives_.size()); }

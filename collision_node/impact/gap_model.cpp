@@ -1,0 +1,179 @@
+#include "collision_node/impact/gap_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace collision_node::impact {
+namespace {
+
+/// max over the core of u . x, with u = u0 + s u1, and the rate of it at the extreme point.
+struct Support {
+  double value, rate;
+};
+
+Support supportValue(const Element& e, const Vec3& u0, const Vec3& u1, double s) {
+  const Vec3 u = u0 + s * u1;
+  if (e.vertices != nullptr) {
+    int best = 0;
+    double value = u.dot(e.vertices[0]);
+    for (int i = 1; i < e.count; ++i) {
+      const double v = u.dot(e.vertices[i]);
+      if (v > value) {
+        value = v;
+        best = i;
+      }
+    }
+    return {value, u1.dot(e.vertices[best])};
+  }
+  const double along = u.dot(e.axis);
+  const Vec3 across = u - along * e.axis;
+  const double length = across.norm();
+  const double sign = along >= 0.0 ? 1.0 : -1.0;
+  Vec3 p = e.centre + sign * e.half_length * e.axis;
+  if (length > 0.0) p += (e.rim_radius / length) * across;
+  return {u.dot(e.centre) + e.half_length * std::abs(along) + e.rim_radius * length, u1.dot(p)};
+}
+
+double coreReach(const Element& e) {
+  if (e.vertices == nullptr) return e.centre.norm() + std::hypot(e.rim_radius, e.half_length);
+  double reach2 = 0.0;
+  for (int i = 0; i < e.count; ++i) reach2 = std::max(reach2, e.vertices[i].squaredNorm());
+  return std::sqrt(reach2);
+}
+
+constexpr double kUp = 1.0 + 64.0 * kUnit;
+
+}  // namespace
+
+GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis)
+    : a_(a), b_(b), direction_(axis.direction), rate_(axis.rate) {
+  const RelativeMotion& m = piece.motion;
+  const double reach_a = coreReach(a) * kUp, reach_b = coreReach(b) * kUp;
+  length_ = direction_.norm() * kUp;
+  rate_length_ = rate_.norm() * kUp;
+  // A: max over a of [n + s (rate + n x omega_a)] . (R_a a); B likewise, its minimum written as a maximum.
+  a0_ = now.ra.transpose() * direction_;
+  a1_ = now.ra.transpose() * (rate_ + direction_.cross(m.omegaA()));
+  b0_ = -(now.rb.transpose() * direction_);
+  b1_ = -(now.rb.transpose() * (rate_ + direction_.cross(m.omegaB())));
+  constant_ = direction_.dot(now.d);
+  linear_ = rate_.dot(now.d) + direction_.dot(now.d_rate);
+  grown_ = a.radius + b.radius + piece.contact_distance;
+  const double turning = rate_.cross(m.omegaA()).norm() * reach_a + rate_.cross(m.omegaB()).norm() * reach_b;
+  square_ = std::max(0.0, turning - rate_.dot(now.d_rate)) * kUp + 8.0 * kUnit * rate_length_ * piece.speed;
+  curve_ = 0.5 * kUp *
+           (m.maxAcceleration() + m.spinA() * m.spinA() * reach_a + m.spinB() * m.spinB() * reach_b);
+  point_error_ = piece.point_error;
+  rate_error_ = piece.rate_error;
+}
+
+GapModel::Value GapModel::at(double s) const {
+  const Support a = supportValue(a_, a0_, a1_, s);
+  const Support b = supportValue(b_, b0_, b1_, s);
+  const double axis_bound = length_ + s * rate_length_;
+  double grown = 0.0, grown_rate = 0.0;
+  if (grown_ > 0.0) {
+    const Vec3 n = direction_ + s * rate_;
+    const double length = n.norm();
+    grown = grown_ * length;
+    grown_rate = length > 0.0 ? grown_ * n.dot(rate_) / length : 0.0;
+  }
+  const double bend = square_ + curve_ * axis_bound;
+  const double budget = axis_bound * (point_error_ + s * rate_error_);
+  Value v;
+  v.gap = (constant_ + s * linear_) - a.value - b.value - grown - s * s * bend - budget;
+  v.slope = linear_ - a.rate - b.rate - grown_rate - 2.0 * s * bend - s * s * curve_ * rate_length_ -
+            rate_length_ * (point_error_ + s * rate_error_) - axis_bound * rate_error_;
+  return v;
+}
+
+Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, bool rounded) {
+  Axis axis;
+  if (closest.overlap) return axis;
+  const RelativeMotion& m = piece.motion;
+  Vec3 rate[4];
+  for (int i = 0; i < closest.count; ++i) {
+    rate[i] = now.d_rate + m.omegaB().cross(now.rb * closest.point[i].local_b) -
+              m.omegaA().cross(now.ra * closest.point[i].local_a);
+  }
+  const double gap = closest.v.norm();
+  if (closest.count == 3) {
+    // The normal of the three difference points: exact however small the gap is.
+    const Vec3 e1 = closest.point[1].w - closest.point[0].w, e2 = closest.point[2].w - closest.point[0].w;
+    const Vec3 f1 = rate[1] - rate[0], f2 = rate[2] - rate[0];
+    Vec3 n = e1.cross(e2);
+    Vec3 n_rate = f1.cross(e2) + e1.cross(f2);
+    const double length = n.norm();
+    if (length > 1e-13 * e1.norm() * e2.norm()) {
+      if (n.dot(closest.v) < 0.0) {
+        n = -n;
+        n_rate = -n_rate;
+      }
+      axis.direction = n / length;
+      axis.rate = (n_rate - axis.direction * axis.direction.dot(n_rate)) / length;
+      axis.valid = true;
+      return axis;
+    }
+  }
+  if (!(gap > 0.0)) return axis;
+  axis.direction = closest.v / gap;
+  axis.valid = true;
+  if (closest.count == 2) {
+    // Stay perpendicular to the segment between the two points.
+    const Vec3 e = closest.point[1].w - closest.point[0].w;
+    const double length2 = e.squaredNorm();
+    const Vec3 along = e * (-axis.direction.dot(rate[1] - rate[0]) / length2);
+    axis.rate = along;
+    if (rounded) {
+      Vec3 v_rate = closest.weight[0] * rate[0] + closest.weight[1] * rate[1];
+      v_rate -= axis.direction * axis.direction.dot(v_rate);
+      v_rate -= e * (e.dot(v_rate) / length2);
+      axis.rate += v_rate / gap;
+    }
+  } else if (closest.count == 1 && rounded) {
+    axis.rate = (rate[0] - axis.direction * axis.direction.dot(rate[0])) / gap;
+  }
+  return axis;
+}
+
+double apartFor(const GapModel& model, double span, double* gap_now) {
+  const GapModel::Value start = model.at(0.0);
+  *gap_now = start.gap;
+  if (!(start.gap > 0.0) || !(span > 0.0)) return 0.0;
+  double low = 0.0, low_gap = start.gap;
+  double high = span;
+  GapModel::Value end = model.at(high);
+  if (end.gap > 0.0) return span;
+  // The tangent at the start lies above the concave model: its root bounds ours from above.
+  if (start.slope < 0.0) {
+    const double root = start.gap / -start.slope;
+    if (root < high) {
+      high = root;
+      end = model.at(high);
+      if (end.gap > 0.0) return high;
+    }
+  }
+  // Tangents from the right close in from above, chords from below; a chord's root is itself proved by evaluation.
+  for (int i = 0; i < 6; ++i) {
+    const double chord = low + (high - low) * (low_gap / (low_gap - end.gap));
+    if (chord > low && chord < high) {
+      const GapModel::Value at = model.at(chord);
+      if (at.gap > 0.0) {
+        low = chord;
+        low_gap = at.gap;
+      }
+    }
+    if (low > 0.9 * high) break;
+    if (end.slope < 0.0) {
+      const double tangent = high - end.gap / end.slope;
+      if (tangent > low && tangent < high) {
+        high = tangent;
+        end = model.at(high);
+        if (end.gap > 0.0) return high;
+      }
+    }
+  }
+  return low;
+}
+
+}  // namespace collision_node::impact

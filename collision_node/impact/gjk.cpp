@@ -1,0 +1,181 @@
+#include "collision_node/impact/gjk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace collision_node::impact {
+namespace {
+
+/// Closest point of a simplex to the origin: which of its points are used, and their weights.
+struct Reduced {
+  int count = 0;
+  int index[4] = {};
+  double weight[4] = {};
+  Vec3 v = Vec3::Zero();
+  bool inside = false;
+};
+
+Reduced closestOnPoint(const SupportPair* p, int i) {
+  Reduced r;
+  r.count = 1;
+  r.index[0] = i;
+  r.weight[0] = 1.0;
+  r.v = p[i].w;
+  return r;
+}
+
+Reduced closestOnSegment(const SupportPair* p, int i, int j) {
+  const Vec3 e = p[j].w - p[i].w;
+  const double length2 = e.squaredNorm();
+  const double s = -p[i].w.dot(e);
+  if (!(s > 0.0)) return closestOnPoint(p, i);
+  if (!(s < length2)) return closestOnPoint(p, j);
+  Reduced r;
+  r.count = 2;
+  r.index[0] = i;
+  r.index[1] = j;
+  r.weight[1] = s / length2;
+  r.weight[0] = 1.0 - r.weight[1];
+  r.v = p[i].w + r.weight[1] * e;
+  return r;
+}
+
+Reduced nearer(const Reduced& x, const Reduced& y) { return x.v.squaredNorm() <= y.v.squaredNorm() ? x : y; }
+
+/// Ericson, Real-Time Collision Detection (2005), 5.1.5: Voronoi regions of a triangle.
+Reduced closestOnTriangle(const SupportPair* p, int i, int j, int k) {
+  const Vec3 &a = p[i].w, &b = p[j].w, &c = p[k].w;
+  const Vec3 ab = b - a, ac = c - a;
+  const Vec3 n = ab.cross(ac);
+  const double n2 = n.squaredNorm();
+  // barycentrics of the origin's projection, as volumes n . (x cross y)
+  const double wa = n.dot(b.cross(c)), wb = n.dot(c.cross(a)), wc = n.dot(a.cross(b));
+  if (n2 > 0.0 && wa > 0.0 && wb > 0.0 && wc > 0.0) {
+    Reduced r;
+    r.count = 3;
+    r.index[0] = i;
+    r.index[1] = j;
+    r.index[2] = k;
+    const double sum = wa + wb + wc;
+    r.weight[0] = wa / sum;
+    r.weight[1] = wb / sum;
+    r.weight[2] = wc / sum;
+    r.v = n * (n.dot(a) / n2);
+    return r;
+  }
+  return nearer(nearer(closestOnSegment(p, i, j), closestOnSegment(p, j, k)), closestOnSegment(p, k, i));
+}
+
+Reduced closestOnTetrahedron(const SupportPair* p) {
+  static constexpr int kFaces[4][4] = {{0, 1, 2, 3}, {0, 3, 1, 2}, {0, 2, 3, 1}, {1, 3, 2, 0}};
+  Reduced best;
+  best.v = Vec3::Constant(std::numeric_limits<double>::infinity());
+  bool inside = true;
+  double volumes[4];
+  for (int f = 0; f < 4; ++f) {
+    const Vec3 &a = p[kFaces[f][0]].w, &b = p[kFaces[f][1]].w, &c = p[kFaces[f][2]].w, &opposite = p[kFaces[f][3]].w;
+    const Vec3 n = (b - a).cross(c - a);
+    const double origin_side = -n.dot(a);
+    const double other_side = n.dot(opposite - a);
+    volumes[f] = origin_side;
+    if (!(origin_side * other_side > 0.0)) {
+      inside = false;
+      best = nearer(best, closestOnTriangle(p, kFaces[f][0], kFaces[f][1], kFaces[f][2]));
+    }
+  }
+  if (!inside) return best;
+  best.inside = true;
+  best.count = 4;
+  best.v = Vec3::Zero();
+  // The weight of a vertex is the volume over the face opposite to it.
+  const double total = std::abs(volumes[0]) + std::abs(volumes[1]) + std::abs(volumes[2]) + std::abs(volumes[3]);
+  for (int f = 0; f < 4; ++f) {
+    best.index[f] = f;
+    best.weight[kFaces[f][3]] = std::abs(volumes[f]) / total;
+  }
+  return best;
+}
+
+Reduced reduce(const SupportPair* p, int count) {
+  switch (count) {
+    case 1: return closestOnPoint(p, 0);
+    case 2: return closestOnSegment(p, 0, 1);
+    case 3: return closestOnTriangle(p, 0, 1, 2);
+    default: return closestOnTetrahedron(p);
+  }
+}
+
+}  // namespace
+
+Vec3 supportOf(const Element& e, const Vec3& direction) {
+  if (e.vertices != nullptr) {
+    int best = 0;
+    double reach = e.vertices[0].dot(direction);
+    for (int i = 1; i < e.count; ++i) {
+      const double r = e.vertices[i].dot(direction);
+      if (r > reach) {
+        reach = r;
+        best = i;
+      }
+    }
+    return e.vertices[best];
+  }
+  const double along = direction.dot(e.axis);
+  const Vec3 across = direction - along * e.axis;
+  const double length = across.norm();
+  Vec3 p = e.centre + (along >= 0.0 ? e.half_length : -e.half_length) * e.axis;
+  if (length > 1e-12 * std::abs(along)) p += (e.rim_radius / length) * across;
+  return p;
+}
+
+Vec3 PosedCore::supportLocal(const Vec3& direction) const {
+  return supportOf(*element, rotation->transpose() * direction);
+}
+
+SupportPair Cores::support(const Vec3& direction) const {
+  SupportPair s;
+  s.local_a = a.supportLocal(-direction);
+  s.local_b = b.supportLocal(direction);
+  s.w = b.place(s.local_b) - a.place(s.local_a);
+  return s;
+}
+
+Closest closestPoints(const Cores& cores, const Vec3& guess) {
+  Closest c;
+  c.count = 1;
+  c.point[0] = cores.support(guess.squaredNorm() > 0.0 ? Vec3(-guess) : Vec3(1.0, 0.0, 0.0));
+  c.weight[0] = 1.0;
+  c.v = c.point[0].w;
+  constexpr int kMaxIterations = 96;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    const double length2 = c.v.squaredNorm();
+    if (!(length2 > 0.0)) {
+      c.overlap = true;
+      return c;
+    }
+    SupportPair next = cores.support(-c.v);
+    if (length2 - c.v.dot(next.w) <= 1e-13 * length2) return c;
+    for (int i = 0; i < c.count; ++i) {
+      if (next.w == c.point[i].w) return c;
+    }
+    SupportPair simplex[4];
+    for (int i = 0; i < c.count; ++i) simplex[i] = c.point[i];
+    simplex[c.count] = next;
+    const Reduced r = reduce(simplex, c.count + 1);
+    if (!r.inside && !(r.v.squaredNorm() < length2)) return c;  // no more progress in doubles
+    c.count = r.count;
+    for (int i = 0; i < r.count; ++i) {
+      c.point[i] = simplex[r.index[i]];
+      c.weight[i] = r.weight[i];
+    }
+    c.v = r.v;
+    if (r.inside) {
+      c.overlap = true;
+      return c;
+    }
+  }
+  return c;
+}
+
+}  // namespace collision_node::impact

@@ -1,0 +1,50 @@
+/// Closest points of two posed convex cores (Gilbert, Johnson, Keerthi 1988). A proposal, never a proof: whatever
+/// it returns is checked by gap_model.h or contact_proof.h, so non-convergence costs speed, not correctness.
+#pragma once
+
+#include "collision_node/impact/pair_piece.h"
+
+namespace collision_node::impact {
+
+/// A core point of A and one of B and their difference.
+struct SupportPair {
+  Vec3 w;           ///< b - a, world axes
+  Vec3 local_a, local_b;  ///< in each object's frame
+};
+
+/// An element's core at an instant.
+struct PosedCore {
+  const Element* element;
+  const Mat3* rotation;
+  Vec3 origin;  ///< of the object's frame
+
+  /// The core's extreme point along `direction`, in the object's frame.
+  Vec3 supportLocal(const Vec3& direction) const;
+  Vec3 place(const Vec3& local) const { return *rotation * local + origin; }
+};
+
+struct Cores {
+  PosedCore a, b;
+
+  Cores(const Instant& now, const Element& ea, const Element& eb)
+      : a{&ea, &now.ra, Vec3::Zero()}, b{&eb, &now.rb, now.d} {}
+
+  /// The pair that reaches farthest along `direction` in B - A.
+  SupportPair support(const Vec3& direction) const;
+};
+
+struct Closest {
+  int count = 0;          ///< 1..4 points in use
+  SupportPair point[4];
+  double weight[4] = {};  ///< convex
+  Vec3 v = Vec3::Zero();  ///< closest point of B - A to the origin: from A to B
+  bool overlap = false;   ///< the origin seems to lie inside
+};
+
+/// Closest points of the cores. `guess` is a first direction, e.g. the last answer's v.
+Closest closestPoints(const Cores& cores, const Vec3& guess);
+
+/// The extreme point of an element's core in its object's frame, along a direction in that frame.
+Vec3 supportOf(const Element& element, const Vec3& direction);
+
+}  // namespace collision_node::impact

@@ -1,0 +1,23 @@
+#include "collision_node/impact/pair_piece.h"
+
+namespace collision_node::impact {
+
+PairPiece::PairPiece(const Body& body_a, const Body& body_b, const Piece& piece, double distance)
+    : a(body_a),
+      b(body_b),
+      motion(piece.a, piece.b, piece.start_ns, piece.end_ns),
+      contact_distance(distance) {
+  const double reach = a.reach() + b.reach();
+  const double size = motion.maxDistance() + reach + contact_distance;
+  speed = motion.maxSpeed() + motion.spinA() * a.reach() + motion.spinB() * b.reach();
+  const double pose_error = motion.translationError() + motion.rotationErrorA() * a.reach() +
+                            motion.rotationErrorB() * b.reach();
+  point_error = 2.0 * pose_error + 64.0 * kUnit * (size + speed * motion.duration());
+  rate_error = (motion.spinA() + motion.spinB()) * pose_error + 64.0 * kUnit * speed;
+}
+
+Instant PairPiece::at(double t) const {
+  return {t, motion.rotationA(t), motion.rotationB(t), motion.displacement(t), motion.velocity(t)};
+}
+
+}  // namespace collision_node::impact

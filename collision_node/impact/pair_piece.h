@@ -1,0 +1,41 @@
+/// Two bodies on one piece of time, and the rounding budget that every proof about them subtracts.
+#pragma once
+
+#include "collision_node/geometry/body.h"
+#include "collision_node/impact/pair_method.h"
+#include "collision_node/motion/relative_motion.h"
+
+namespace collision_node::impact {
+
+using geometry::Body;
+using geometry::Element;
+using geometry::Mat3;
+using motion::RelativeMotion;
+
+constexpr double kUnit = 1.1102230246251565e-16;  ///< 2^-53
+
+/// Both poses at one instant, in world axes relative to A's origin.
+struct Instant {
+  double t = 0.0;
+  Mat3 ra, rb;
+  Vec3 d, d_rate;  ///< B's origin and its velocity
+};
+
+/// Read-only while a piece is solved. The budget (docs/solver.md derives it):
+///   any computed point difference b - a is within `point_error` of the exact one at the same t;
+///   a computed separation value along an axis n(s) is within |n(s)| (point_error + s rate_error) of the exact value.
+struct PairPiece {
+  PairPiece(const Body& a, const Body& b, const Piece& piece, double contact_distance);
+
+  Instant at(double t) const;
+
+  const Body& a;
+  const Body& b;
+  RelativeMotion motion;
+  double contact_distance;
+  double point_error;  ///< [m]
+  double rate_error;   ///< [m/s]
+  double speed;        ///< sup of |relative velocity| of any material point of A and any of B [m/s]
+};
+
+}  // namespace collision_node::impact

@@ -1,0 +1,81 @@
+#include "collision_node/motion/relative_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace collision_node::motion {
+namespace {
+
+constexpr double kUnit = 1.1102230246251565e-16;  // 2^-53
+constexpr double kUp = 1.0 + 64.0 * kUnit;        // makes a computed norm or sum of few terms an upper bound
+
+}  // namespace
+
+void RelativeMotion::Spin::set(const RigidMotion& m, double offset_s, double duration) {
+  r0 = m.q0.normalized().toRotationMatrix();
+  omega = m.omega;
+  spin = omega.norm();
+  if (spin > 0.0) axis = omega / spin;
+  spin *= kUp;
+  offset = offset_s;
+  // 64: quaternion to matrix, Rodrigues' entries, two products, the placing of geometry in the object's frame, and
+  // the slerp's rotation vector (absolute part). 16 theta: the angle's relative error, both of omega and of the time.
+  error = kUnit * (64.0 + 16.0 * spin * (std::abs(offset) + duration));
+}
+
+Mat3 RelativeMotion::Spin::at(double t) const {
+  if (spin == 0.0) return r0;
+  const double angle = omega.norm() * (offset + t);
+  const double s = std::sin(angle);
+  const double half = std::sin(0.5 * angle);
+  const double one_minus_cos = 2.0 * half * half;
+  // Rodrigues on the columns: r + sin (k x r) + (1 - cos) k x (k x r)
+  Mat3 r;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 column = r0.col(i);
+    const Vec3 once = axis.cross(column);
+    r.col(i) = column + s * once + one_minus_cos * axis.cross(once);
+  }
+  return r;
+}
+
+RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns, Nanoseconds end_ns)
+    : motion_a_(a), motion_b_(b), duration_(secondsBetween(start_ns, end_ns)) {
+  offset_a_ = a.fixed ? 0.0 : secondsBetween(a.start_ns, start_ns);
+  offset_b_ = b.fixed ? 0.0 : secondsBetween(b.start_ns, start_ns);
+  a_.set(a, offset_a_, duration_);
+  b_.set(b, offset_b_, duration_);
+
+  // B's polynomial about its own offset minus A's about its own, written so that equal velocities cancel exactly:
+  // c_b o_b - c_a o_a = (c_b - c_a) o_b + c_a (o_b - o_a), with o_b - o_a from integers.
+  const double shift = a.fixed || b.fixed ? offset_b_ - offset_a_ : secondsBetween(b.start_ns, a.start_ns);
+  const double o = offset_b_;
+  d_[0] = (b.c[0] - a.c[0]) + ((b.c[1] - a.c[1]) * o + a.c[1] * shift);
+  d_[1] = b.c[1] - a.c[1];
+  d_[2] = Vec3::Zero();
+  d_[3] = Vec3::Zero();
+  const double oa = offset_a_, ob = offset_b_;
+  if (!b.c[2].isZero(0.0) || !b.c[3].isZero(0.0) || !a.c[2].isZero(0.0) || !a.c[3].isZero(0.0)) {
+    d_[0] += (b.c[2] + b.c[3] * ob) * (ob * ob) - (a.c[2] + a.c[3] * oa) * (oa * oa);
+    d_[1] += (2.0 * b.c[2] + 3.0 * b.c[3] * ob) * ob - (2.0 * a.c[2] + 3.0 * a.c[3] * oa) * oa;
+    d_[2] = (b.c[2] + 3.0 * b.c[3] * ob) - (a.c[2] + 3.0 * a.c[3] * oa);
+    d_[3] = b.c[3] - a.c[3];
+  }
+
+  // Every term that was rounded, at its largest over both segments' shares of time.
+  const double reach = std::max(std::abs(oa), std::abs(ob)) + duration_;
+  double magnitude = (b.c[0] - a.c[0]).norm();
+  double power = 1.0;
+  for (int k = 1; k < 4; ++k) {
+    power *= reach;
+    magnitude += (a.c[k].norm() + b.c[k].norm()) * power * (k == 1 ? 2.0 : 4.0);
+  }
+  translation_error_ = 32.0 * kUnit * magnitude;
+
+  max_acceleration_ = std::max(acceleration(0.0).norm(), acceleration(duration_).norm()) * kUp;
+  max_speed_ = (velocity(0.5 * duration_).norm() + 0.5 * duration_ * max_acceleration_) * kUp;
+  max_distance_ = std::min(displacement(0.0).norm(), displacement(duration_).norm()) + max_speed_ * duration_;
+  max_distance_ *= kUp;
+}
+
+}  // namespace collision_node::motion

@@ -1,0 +1,65 @@
+/// Both objects' motion on one piece, differences first: world axes, origin at object A's origin.
+#pragma once
+
+#include "collision_node/motion/rigid_motion.h"
+
+namespace collision_node::motion {
+
+/// t = seconds from the piece's start, 0 <= t <= duration.
+///   a point x of A is at  R_a(t) x,   a point y of B at  d(t) + R_b(t) y      (world axes, relative to A's origin).
+/// No absolute world coordinate enters anything but worldOriginOfA(), so a common offset or a common velocity cancels
+/// before it can round.
+///
+/// Errors (derivation: docs/solver.md, "Rounding budget"), for every t in [0, duration]:
+///   |computed d - exact d| <= translationError(),   |computed R y - exact R y| <= rotationError*() |y|.
+class RelativeMotion {
+ public:
+  RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns, Nanoseconds end_ns);
+
+  double duration() const { return duration_; }
+  Vec3 displacement(double t) const { return d_[0] + t * (d_[1] + t * (d_[2] + t * d_[3])); }
+  Vec3 velocity(double t) const { return d_[1] + t * (2.0 * d_[2] + 3.0 * t * d_[3]); }
+  Vec3 acceleration(double t) const { return 2.0 * d_[2] + 6.0 * t * d_[3]; }
+  double jerk() const { return 6.0 * d_[3].norm(); }
+  Mat3 rotationA(double t) const { return a_.at(t); }
+  Mat3 rotationB(double t) const { return b_.at(t); }
+  const Vec3& omegaA() const { return a_.omega; }
+  const Vec3& omegaB() const { return b_.omega; }
+  double spinA() const { return a_.spin; }
+  double spinB() const { return b_.spin; }
+
+  /// sup |d'| and sup |d''| over the piece.
+  double maxSpeed() const { return max_speed_; }
+  double maxAcceleration() const { return max_acceleration_; }
+  double maxDistance() const { return max_distance_; }  ///< sup |d|
+  double translationError() const { return translation_error_; }
+  double rotationErrorA() const { return a_.error; }
+  double rotationErrorB() const { return b_.error; }
+
+  /// For reports only: poses in the world and the velocity of A's origin.
+  Pose poseA(double t) const { return motion_a_.at(offset_a_ + t); }
+  Pose poseB(double t) const { return motion_b_.at(offset_b_ + t); }
+  Vec3 velocityA(double t) const { return motion_a_.velocity(offset_a_ + t); }
+  Vec3 velocityB(double t) const { return motion_b_.velocity(offset_b_ + t); }
+
+ private:
+  struct Spin {
+    Mat3 r0 = Mat3::Identity();
+    Vec3 omega = Vec3::Zero();
+    Vec3 axis = Vec3::UnitZ();
+    double spin = 0.0;    ///< |omega|
+    double offset = 0.0;  ///< seconds from the segment's start to the piece's
+    double error = 0.0;
+
+    void set(const RigidMotion& m, double offset, double duration);
+    Mat3 at(double t) const;
+  };
+
+  RigidMotion motion_a_, motion_b_;
+  double duration_ = 0.0, offset_a_ = 0.0, offset_b_ = 0.0;
+  Vec3 d_[4];
+  Spin a_, b_;
+  double max_speed_ = 0.0, max_acceleration_ = 0.0, max_distance_ = 0.0, translation_error_ = 0.0;
+};
+
+}  // namespace collision_node::motion
