@@ -27,4 +27,12 @@ RigidMotion fixedAt(const Pose& pose);
 /// whose quaternion product from.conj * to has its first non-zero component positive after w >= 0 is enforced.
 RigidMotion straightSlerp(const StampedPose& from, const StampedPose& to);
 
+/// The cubic through both positions with both linear velocities at its ends; orientation as in straightSlerp.
+/// Requires from.stamp_ns < to.stamp_ns and a twist on both.
+RigidMotion hermite(const StampedPose& from, const StampedPose& to);
+
+/// Straight line; orientation about the slerp axis with as many extra whole turns as the mean twist says. When the two
+/// orientations are equal up to rounding the axis is that of the mean twist. Requires from.stamp_ns < to.stamp_ns and a twist on both.
+RigidMotion spin(const StampedPose& from, const StampedPose& to);
+
 }  // namespace collision_node::motion

@@ -1,0 +1,98 @@
+#include "collision_node/motion/rigid_motion.h"
+
+#include <cmath>
+
+namespace collision_node::motion {
+
+namespace {
+
+constexpr double kTwoPi = 6.283185307179586;
+constexpr double kRoundedTurn =
+    1e-14;  // [rad] what rounding two unit quaternions makes of equal orientations
+
+/// A turn about a unit axis (world axes), 0 <= angle <= pi. The axis is zero when the angle is.
+struct Turn {
+  Vec3 axis = Vec3::Zero();
+  double angle = 0.0;
+};
+
+Turn shortestTurn(const Quat& from, const Quat& to) {
+  Quat step = from.conjugate() * to;
+  if (step.w() < 0.0) step.coeffs() = -step.coeffs();
+  if (step.w() == 0.0) {
+    // Half a turn either way round is as short: pick one by a rule that does not depend on the inputs' signs.
+    for (int i = 0; i < 3; ++i) {
+      if (step.vec()[i] == 0.0) continue;
+      if (step.vec()[i] < 0.0) step.coeffs() = -step.coeffs();
+      break;
+    }
+  }
+  const double sine = step.vec().stableNorm();
+  if (sine == 0.0) return {};
+  return {from * (step.vec() / sine), 2.0 * std::atan2(sine, step.w())};
+}
+
+RigidMotion straightLine(const StampedPose& from, const StampedPose& to) {
+  RigidMotion motion;
+  motion.start_ns = from.stamp_ns;
+  motion.end_ns = to.stamp_ns;
+  motion.c[0] = from.pose.position;
+  motion.c[1] = (to.pose.position - from.pose.position) / secondsBetween(from.stamp_ns, to.stamp_ns);
+  motion.q0 = from.pose.orientation;
+  return motion;
+}
+
+}  // namespace
+
+Pose RigidMotion::at(double s) const {
+  Pose pose;
+  pose.position = c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+  pose.orientation = q0;
+  const double rate = omega.stableNorm();
+  if (rate > 0.0) {
+    const double half = 0.5 * rate * s;
+    Quat turn;
+    turn.w() = std::cos(half);
+    turn.vec() = std::sin(half) * (omega / rate);
+    pose.orientation = (turn * q0).normalized();
+  }
+  return pose;
+}
+
+RigidMotion fixedAt(const Pose& pose) {
+  RigidMotion motion;
+  motion.fixed = true;
+  motion.c[0] = pose.position;
+  motion.q0 = pose.orientation;
+  return motion;
+}
+
+RigidMotion straightSlerp(const StampedPose& from, const StampedPose& to) {
+  RigidMotion motion = straightLine(from, to);
+  const Turn turn = shortestTurn(from.pose.orientation, to.pose.orientation);
+  motion.omega = turn.axis * (turn.angle / secondsBetween(from.stamp_ns, to.stamp_ns));
+  return motion;
+}
+
+RigidMotion hermite(const StampedPose& from, const StampedPose& to) {
+  RigidMotion motion = straightSlerp(from, to);
+  const double h = secondsBetween(from.stamp_ns, to.stamp_ns);
+  const Vec3 mean = motion.c[1];
+  motion.c[1] = from.linear;
+  motion.c[2] = (3.0 * mean - 2.0 * from.linear - to.linear) / h;
+  motion.c[3] = (from.linear + to.linear - 2.0 * mean) / (h * h);
+  return motion;
+}
+
+RigidMotion spin(const StampedPose& from, const StampedPose& to) {
+  RigidMotion motion = straightLine(from, to);
+  const double h = secondsBetween(from.stamp_ns, to.stamp_ns);
+  const Vec3 mean_rate = 0.5 * (from.angular + to.angular);
+  Turn turn = shortestTurn(from.pose.orientation, to.pose.orientation);
+  if (turn.angle <= kRoundedTurn && mean_rate.stableNorm() > 0.0) turn.axis = mean_rate.stableNormalized();
+  const double turns = std::round((h * turn.axis.dot(mean_rate) - turn.angle) / kTwoPi);
+  motion.omega = turn.axis * ((turn.angle + kTwoPi * turns) / h);
+  return motion;
+}
+
+}  // namespace collision_node::motion
