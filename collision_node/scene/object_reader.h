@@ -1,0 +1,22 @@
+/// One entry of `objects:` in a scene file, checked and with its geometry loaded.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "collision_node/scene/yaml_tree.h"
+
+namespace collision_node::scene {
+
+/// What reading an object needs from its surroundings.
+struct ObjectContext {
+  std::string folder;          ///< of the scene file: relative paths start here
+  const Resources& resources;  ///< packages and parameters
+};
+
+/// Reads `node` as the object `name`. Adds every fault to `faults` and every warning to `warnings`; the
+/// object is whole only when no fault was added.
+Object readObject(const std::string& name, const YamlNode& node, const ObjectContext& context, Faults& faults,
+                  std::vector<std::string>& warnings);
+
+}  // namespace collision_node::scene

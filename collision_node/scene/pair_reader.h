@@ -1,0 +1,15 @@
+/// `pairs:` of a scene file: which links are watched against which, and why the others are not.
+#pragma once
+
+#include "collision_node/scene/yaml_tree.h"
+
+namespace collision_node::scene {
+
+/// Fills scene.pairs, scene.unwatched and its reasons from `node` (may be null: every object against every
+/// other). Requires scene.objects complete and sorted by name. Rules, the first that holds wins: neighbours
+/// in one URDF are never watched; `ignore` leaves out; with `only` just what it lists is watched; links of
+/// one object are watched with `self: true` or when `only` lists the two links. Of several `distances` that
+/// fit a pair the last one counts.
+void readPairs(const YamlNode* node, Scene& scene, Faults& faults);
+
+}  // namespace collision_node::scene

@@ -1,0 +1,262 @@
+#include <cmath>
+#include <locale>
+#include <map>
+#include <set>
+#include <sstream>
+#include <tuple>
+
+#include "collision_node/scene/map_reader.h"
+#include "collision_node/scene/scene.h"
+
+namespace collision_node::scene {
+namespace {
+
+namespace geo = geometry;
+
+std::string count(std::size_t n, const std::string& one, const std::string& many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+std::string formatVec3(const Vec3& v) {
+  return "[" + formatReal(v.x()) + ", " + formatReal(v.y()) + ", " + formatReal(v.z()) + "]";
+}
+
+std::string formatPose(const Pose& pose) {
+  const geo::Quat& q = pose.orientation;
+  std::string text = "at " + formatVec3(pose.position) + " m";
+  if (q.x() != 0.0 || q.y() != 0.0 || q.z() != 0.0) {
+    text += ", turned [" + formatReal(q.x()) + ", " + formatReal(q.y()) + ", " + formatReal(q.z()) + ", " +
+            formatReal(q.w()) + "]";
+  }
+  return text;
+}
+
+const geo::TriangleMesh* meshOf(const geo::Shape& shape) {
+  if (const auto* mesh = std::get_if<geo::Mesh>(&shape)) return mesh->mesh.get();
+  if (const auto* convex = std::get_if<geo::Convex>(&shape)) return convex->mesh.get();
+  return nullptr;
+}
+
+/// Short names for "mesh x sphere", long ones for the list of shapes.
+struct ShapeWords {
+  std::string kind, size;
+};
+
+ShapeWords wordsFor(const geo::PlacedShape& placed) {
+  struct Visitor {
+    const std::string& source;
+    ShapeWords operator()(const geo::Point&) const { return {"point", ""}; }
+    ShapeWords operator()(const geo::Sphere& s) const {
+      return {"sphere", "radius " + formatReal(s.radius) + " m"};
+    }
+    ShapeWords operator()(const geo::Box& s) const { return {"box", "size " + formatVec3(s.size) + " m"}; }
+    ShapeWords operator()(const geo::Cylinder& s) const {
+      return {"cylinder", "radius " + formatReal(s.radius) + " m, length " + formatReal(s.length) + " m"};
+    }
+    ShapeWords operator()(const geo::Capsule& s) const {
+      return {"capsule", "radius " + formatReal(s.radius) + " m, length " + formatReal(s.length) + " m"};
+    }
+    ShapeWords operator()(const geo::Mesh&) const { return {"mesh", source}; }
+    ShapeWords operator()(const geo::Convex&) const { return {"convex", "hull of " + source}; }
+  };
+  return std::visit(Visitor{placed.source}, placed.shape);
+}
+
+std::string meshLine(const geo::TriangleMesh& mesh, bool is_hull) {
+  const geo::MeshReport& report = mesh.report;
+  std::string text = count(report.vertices, "vertex", "vertices") + ", " +
+                     count(report.triangles, "triangle", "triangles") + "; ";
+  if (is_hull) {
+    text += "the hull of its vertices is a solid";
+  } else if (report.closed) {
+    text += mesh.solid ? "closed: a solid" : "closed, but a surface as the scene asks";
+  } else {
+    text += "open (" + count(report.open_edges, "open edge", "open edges") + ", " +
+            count(report.odd_edges, "odd one", "odd ones") + "): a surface, nothing is inside it";
+  }
+  if (report.degenerate_triangles > 0)
+    text += "; " + std::to_string(report.degenerate_triangles) + " degenerate";
+  if (report.duplicate_triangles > 0)
+    text += "; " + std::to_string(report.duplicate_triangles) + " duplicate";
+  text += "; from " + formatVec3(report.lower) + " to " + formatVec3(report.upper) + " m";
+  if (report.coordinate_rounding > 0.0) {
+    std::ostringstream rounded;
+    rounded.imbue(std::locale::classic());
+    rounded.precision(2);
+    rounded << report.coordinate_rounding;
+    text += "; the file reader's float32 moved no vertex by more than " + rounded.str() + " m";
+  }
+  return text;
+}
+
+std::string sourceLine(const PoseSource& source) {
+  switch (source.type) {
+    case PoseSource::Type::kFixed:
+      return "fixed " + formatPose(source.fixed);
+    case PoseSource::Type::kTf:
+      return "tf frame " + source.tf_frame;
+    case PoseSource::Type::kTopic:
+      break;
+  }
+  std::string text = "topic " + source.topic;
+  if (source.index >= 0) text += ", element " + std::to_string(source.index);
+  if (!source.model.empty()) text += ", model " + source.model;
+  if (!source.link.empty()) text += ", link " + source.link;
+  return text;
+}
+
+const char* motionName(MotionModel model) {
+  switch (model) {
+    case MotionModel::kHermite:
+      return "hermite";
+    case MotionModel::kSpin:
+      return "spin";
+    case MotionModel::kSlerp:
+      break;
+  }
+  return "slerp";
+}
+
+bool isFixed(const Object& object) { return object.source.type == PoseSource::Type::kFixed; }
+
+class Plan {
+ public:
+  explicit Plan(const Scene& scene) : scene_(scene) {}
+
+  std::string write() {
+    out_ << "plan of " << scene_.file << "\n";
+    out_ << "world frame: " << scene_.world_frame << "\n";
+    out_ << "precision: time " << formatReal(scene_.time_precision) << " s, distance "
+         << formatReal(scene_.distance_precision) << " m; at most " << scene_.node_budget
+         << " node tests per pair and piece\n";
+    out_ << "time: reorder " << formatReal(scene_.time.reorder) << " s, max_gap "
+         << formatReal(scene_.time.max_gap) << " s, timeout " << formatReal(scene_.time.timeout)
+         << " s, jump " << formatReal(scene_.time.jump) << " s; stats every "
+         << formatReal(scene_.stats_period) << " s\n";
+    out_ << "\nobjects (" << scene_.objects.size() << "):\n";
+    for (const Object& object : scene_.objects) writeObject(object);
+    writePairs();
+    writeUnwatched();
+    writeLeftOut();
+    out_ << "\nwarnings (" << scene_.warnings.size() << "):\n";
+    for (const std::string& warning : scene_.warnings) out_ << "  " << warning << "\n";
+    return out_.str();
+  }
+
+ private:
+  void writeObject(const Object& object) {
+    out_ << "  " << object.name << ": " << sourceLine(object.source);
+    if (!isFixed(object)) {
+      out_ << "; motion " << motionName(object.motion) << "; on timeout "
+           << (object.on_timeout == OnTimeout::kDrop ? "drop" : "freeze");
+    }
+    writeLimit("max_speed", object.max_speed, "m/s");
+    writeLimit("max_spin", object.max_spin, "rad/s");
+    writeLimit("acceleration", object.acceleration, "m/s^2");
+    writeLimit("angular_acceleration", object.angular_acceleration, "rad/s^2");
+    out_ << "\n";
+    for (const Link& link : object.links) writeLink(link);
+    for (const std::string& joint : object.movable_joints)
+      out_ << "    movable joint " << joint << ": held at 0\n";
+    for (const Zone& zone : object.zones) {
+      out_ << "    zone " << zone.name << ": link " << zone.link;
+      if (zone.has_box) out_ << ", box of size " << formatVec3(zone.size) << " m " << formatPose(zone.pose);
+      out_ << "\n";
+    }
+  }
+
+  void writeLimit(const char* name, double value, const char* unit) {
+    if (std::isfinite(value)) out_ << "; " << name << " " << formatReal(value) << " " << unit;
+  }
+
+  void writeLink(const Link& link) {
+    out_ << "    link " << link.name;
+    if (!link.parent.empty()) out_ << ", child of " << link.parent;
+    out_ << ", " << formatPose(link.T_o_l);
+    if (link.shapes.empty()) out_ << ": no collision element, touches nothing";
+    out_ << "\n";
+    for (std::size_t i = 0; i < link.shapes.size(); ++i) {
+      const geo::PlacedShape& shape = link.shapes[i];
+      const ShapeWords words = wordsFor(shape);
+      out_ << "      shape " << i << ": " << words.kind << (words.size.empty() ? "" : " " + words.size)
+           << ", " << formatPose(shape.origin) << "\n";
+      if (const geo::TriangleMesh* mesh = meshOf(shape.shape)) {
+        out_ << "        " << meshLine(*mesh, std::holds_alternative<geo::Convex>(shape.shape)) << "\n";
+      }
+    }
+  }
+
+  std::string nameOf(int object, int link) const {
+    return scene_.objects[object].name + "/" + scene_.objects[object].links[link].name;
+  }
+
+  /// "mesh", or "{box, mesh}" for a link of several kinds.
+  static std::string kindsOf(const Link& link) {
+    std::set<std::string> kinds;
+    for (const geo::PlacedShape& shape : link.shapes) kinds.insert(wordsFor(shape).kind);
+    std::string text;
+    for (const std::string& kind : kinds) text += (text.empty() ? "" : ", ") + kind;
+    return kinds.size() == 1 ? text : "{" + text + "}";
+  }
+
+  void writePairs() {
+    out_ << "\npairs watched (" << scene_.pairs.size() << "):\n";
+    for (const LinkPair& pair : scene_.pairs) {
+      const Object& a = scene_.objects[pair.object_a];
+      const Object& b = scene_.objects[pair.object_b];
+      out_ << "  " << nameOf(pair.object_a, pair.link_a) << " x " << nameOf(pair.object_b, pair.link_b)
+           << ": certified: " << kindsOf(a.links[pair.link_a]) << " x " << kindsOf(b.links[pair.link_b]);
+      if (isFixed(a) && isFixed(b)) out_ << ", both fixed: one static test";
+      if (pair.contact_distance > 0.0)
+        out_ << ", touching within " << formatReal(pair.contact_distance) << " m";
+      out_ << "\n";
+    }
+  }
+
+  /// A robot of fifty links has a thousand pairs within itself: one line per two objects and reason.
+  void writeUnwatched() {
+    std::map<std::tuple<std::string, std::string, std::string>, std::vector<std::size_t>> groups;
+    const auto objectOf = [](const std::string& name) { return name.substr(0, name.find('/')); };
+    for (std::size_t i = 0; i < scene_.unwatched.size(); ++i) {
+      const auto& [a, b] = scene_.unwatched[i];
+      groups[{objectOf(a), objectOf(b), scene_.unwatched_reasons[i]}].push_back(i);
+    }
+    out_ << "\npairs left out (" << scene_.unwatched.size() << "):\n";
+    for (const auto& [key, members] : groups) {
+      const auto& [a, b, reason] = key;
+      if (members.size() == 1) {
+        const auto& names = scene_.unwatched[members.front()];
+        out_ << "  " << names.first << " x " << names.second << ": " << reason << "\n";
+      } else {
+        out_ << "  " << a << " x " << b << ", " << members.size() << " pairs of links: " << reason << "\n";
+      }
+    }
+  }
+
+  void writeLeftOut() {
+    bool mesh = false, zone = false, topic = false, tf = false;
+    for (const Object& object : scene_.objects) {
+      zone = zone || !object.zones.empty();
+      topic = topic || object.source.type == PoseSource::Type::kTopic;
+      tf = tf || object.source.type == PoseSource::Type::kTf;
+      for (const Link& link : object.links) {
+        for (const geo::PlacedShape& shape : link.shapes) mesh = mesh || meshOf(shape.shape) != nullptr;
+      }
+    }
+    out_ << "\nnot needed:\n";
+    if (!mesh) out_ << "  no mesh: assimp is not called, no triangles are kept\n";
+    if (!tf) out_ << "  no object is driven through tf: no transforms are read\n";
+    if (!topic) out_ << "  no object has a pose topic: none is subscribed\n";
+    if (!zone) out_ << "  no zone: events name links only\n";
+    if (scene_.pairs.empty()) out_ << "  no pair: nothing is solved\n";
+  }
+
+  const Scene& scene_;
+  std::ostringstream out_;
+};
+
+}  // namespace
+
+std::string planText(const Scene& scene) { return Plan(scene).write(); }
+
+}  // namespace collision_node::scene

@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <cmath>
+
+#include "collision_node/scene/map_reader.h"
+#include "collision_node/scene/object_reader.h"
+#include "collision_node/scene/pair_reader.h"
+#include "collision_node/scene/resources.h"
+#include "collision_node/scene/scene.h"
+
+namespace collision_node::scene {
+namespace {
+
+void readTime(MapReader reader, TimeOptions& time) {
+  if (const auto value = reader.real("reorder", durationOrZero())) time.reorder = *value;
+  if (const auto value = reader.real("max_gap", positiveDuration())) time.max_gap = *value;
+  if (const auto value = reader.real("timeout", positiveDuration())) time.timeout = *value;
+  if (const auto value = reader.real("jump", positiveDuration())) time.jump = *value;
+  // Compared in whole nanoseconds: 0.1 + 0.2 is more than 0.3 in doubles.
+  const auto nanoseconds = [](double seconds) { return std::llround(seconds * 1e9); };
+  if (reader.good() && nanoseconds(time.timeout) < nanoseconds(time.max_gap) + nanoseconds(time.reorder)) {
+    reader.fault("timeout", formatReal(time.timeout) + " is less than max_gap + reorder; must be >= " +
+                                formatReal(time.max_gap) + " + " + formatReal(time.reorder) + " [s]");
+  }
+  reader.done();
+}
+
+void readPrecision(MapReader reader, Scene& scene) {
+  if (const auto value = reader.real("time", positive("s"))) scene.time_precision = *value;
+  if (const auto value = reader.real("distance", positive("m"))) scene.distance_precision = *value;
+  reader.done();
+}
+
+void readStats(MapReader reader, Scene& scene) {
+  if (const auto value = reader.real("period", positiveDuration())) scene.stats_period = *value;
+  reader.done();
+}
+
+void readObjects(MapReader& top, const ObjectContext& context, Scene& scene, Faults& faults) {
+  if (!top.has("objects")) {
+    top.fault("", "no objects; write objects: with one entry per object");
+    return;
+  }
+  MapReader reader = top.map("objects");
+  if (!reader.good()) return;
+  if (reader.entries().empty()) reader.fault("", "an empty scene; name at least one object");
+  for (const auto& [name, node] : reader.entries()) {
+    if (name.find('/') != std::string::npos) {
+      reader.fault(name, "an object's name must not hold '/': it separates object and link");
+      continue;
+    }
+    scene.objects.push_back(readObject(name, node, context, faults, scene.warnings));
+  }
+  std::sort(scene.objects.begin(), scene.objects.end(),
+            [](const Object& a, const Object& b) { return a.name < b.name; });
+}
+
+}  // namespace
+
+std::shared_ptr<const Scene> loadScene(const std::string& file, const Resources& resources,
+                                       const Overrides& overrides) {
+  Faults faults;
+  const YamlNode root = readYaml(file, overrides, faults);
+  // Text that is no YAML says nothing about keys: no second fault about missing objects.
+  if (root.kind == YamlNode::Kind::kNull && !faults.empty()) faults.throwIfAny();
+
+  auto scene = std::make_shared<Scene>();
+  scene->file = file;
+  MapReader top(&root, "", faults);
+  if (const auto frame = top.text("world_frame")) {
+    scene->world_frame = (*frame)[0] == '/' ? frame->substr(1) : *frame;
+    if (scene->world_frame.empty()) top.fault("world_frame", "'/' is no frame; write the frame's name");
+  }
+  readPrecision(top.map("precision"), *scene);
+  readTime(top.map("time"), scene->time);
+  readStats(top.map("stats"), *scene);
+  if (const auto budget = top.whole("node_budget", 1, std::int64_t{1} << 50)) {
+    scene->node_budget = static_cast<std::uint64_t>(*budget);
+  }
+  readObjects(top, ObjectContext{folderOf(file), resources}, *scene, faults);
+  readPairs(top.find("pairs"), *scene, faults);
+  top.done();
+  faults.throwIfAny();
+
+  if (scene->pairs.empty()) {
+    scene->warnings.push_back(
+        file + ": no pair is watched: nothing can be reported; give two objects, or see pairs");
+  }
+  return scene;
+}
+
+}  // namespace collision_node::scene
