@@ -1,0 +1,189 @@
+/// Static distances of a solid cylinder, exact in its round shape: to points, segments, triangles and
+/// cylinders.
+#pragma once
+
+#include <vector>
+
+#include "test/oracle/flat_distance.h"
+
+namespace oracle {
+
+struct Cylinder {
+  V3 centre;
+  V3 axis;  ///< unit
+  Real radius = 0;
+  Real half = 0;  ///< half length
+};
+
+/// The cylinder's point nearest to p; p itself when inside.
+inline V3 nearestOnCylinder(const V3& p, const Cylinder& c) {
+  const V3 r = p - c.centre;
+  const Real z = dot(r, c.axis);
+  const V3 radial = r - z * c.axis;
+  const Real rho = norm(radial);
+  const Real z_in = std::min(c.half, std::max(-c.half, z));
+  if (rho <= c.radius && z_in == z) return p;
+  const V3 radial_in = rho > c.radius ? (c.radius / rho) * radial : radial;
+  return c.centre + z_in * c.axis + radial_in;
+}
+
+inline Gap pointCylinder(const V3& p, const Cylinder& c) { return gapBetween(p, nearestOnCylinder(p, c)); }
+
+/// The distance along a segment is convex: bisect on the sign of its derivative.
+inline Gap segmentCylinder(const V3& p0, const V3& p1, const Cylinder& c) {
+  const V3 e = p1 - p0;
+  Gap best = pointCylinder(p0, c);
+  keepNearer(best, pointCylinder(p1, c));
+  Real lo = 0, hi = 1;
+  for (int i = 0; i < 70 && best.upper > 0; ++i) {
+    const Real mid = (lo + hi) / 2;
+    const Gap g = pointCylinder(p0 + mid * e, c);
+    keepNearer(best, g);
+    (dot(g.a - g.b, e) > 0 ? hi : lo) = mid;
+  }
+  return best;
+}
+
+/// The cylinder's point farthest along n.
+inline V3 supportOfCylinder(const Cylinder& c, const V3& n) {
+  const Real z = dot(n, c.axis);
+  V3 radial = n - z * c.axis;
+  radial = radial - dot(radial, c.axis) * c.axis;  // once more: what is left of a parallel n is only rounding
+  const Real rho = norm(radial);
+  V3 s = c.centre + (z >= 0 ? c.half : -c.half) * c.axis;
+  if (rho > 1e-18L * norm(n)) s = s + (c.radius / rho) * radial;
+  return s;
+}
+
+/// Either the nearest point of the triangle lies on an edge, or inside its face: then the cylinder's nearest
+/// point is its extreme point towards the plane. (Where a whole disc or line is extreme, the edges or that
+/// point find it.)
+inline Gap triangleCylinder(const V3* t, const Cylinder& c) {
+  Gap best;
+  for (int i = 0; i < 3; ++i) {
+    keepNearer(best, segmentCylinder(t[i], t[(i + 1) % 3], c));
+    if (best.upper == 0) return best;
+  }
+  const V3 n = triangleNormal(t);
+  const Real nn = dot(n, n);
+  if (!(nn > 0)) return best;
+  const V3 top = supportOfCylinder(c, n), bottom = supportOfCylinder(c, -n);
+  V3 where;
+  if (pierces(bottom, top, t, &where)) return {0, 0, where, where};
+  for (const V3& s : {top, bottom}) {
+    const Real height = dot(s - t[0], n);
+    const bool between = dot(top - t[0], n) >= 0 && dot(bottom - t[0], n) <= 0;
+    if (between || !projectsInside(s, t, n)) continue;
+    Gap face = gapBetween(s - (height / nn) * n, s);
+    face.lower = face.upper = std::abs(height) / std::sqrt(nn);
+    keepNearer(best, face);
+  }
+  return best;
+}
+
+/// One vertex of the difference set A - B with the two points it came from.
+struct SupportPair {
+  V3 difference, a, b;
+};
+
+/// The point of the hull of `simplex` (up to 4) nearest to the origin: drops what it does not need, writes
+/// weights.
+inline V3 nearestOnSimplex(std::vector<SupportPair>& simplex, std::vector<Real>& weights) {
+  Real best = std::numeric_limits<Real>::infinity();
+  V3 nearest;
+  std::vector<SupportPair> kept;
+  std::vector<Real> kept_weights;
+  const auto offer = [&](std::vector<int> ids, std::vector<Real> w) {
+    V3 p;
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      if (!(w[k] >= 0)) return;
+      p = p + w[k] * simplex[ids[k]].difference;
+    }
+    const Real d = norm(p);
+    if (!(d < best)) return;
+    best = d, nearest = p, kept.clear(), kept_weights = std::move(w);
+    for (int id : ids) kept.push_back(simplex[id]);
+  };
+  const int n = static_cast<int>(simplex.size());
+  for (int i = 0; i < n; ++i) {
+    const V3& p = simplex[i].difference;
+    offer({i}, {1});
+    for (int j = i + 1; j < n; ++j) {
+      const V3& q = simplex[j].difference;
+      const V3 e = q - p;
+      const Real u = -dot(p, e) / dot(e, e);
+      offer({i, j}, {1 - u, u});
+      for (int k = j + 1; k < n; ++k) {
+        const V3 f = simplex[k].difference - p, normal = cross(e, f);
+        const Real nn = dot(normal, normal);
+        const Real v = dot(cross(-p, f), normal) / nn, w = dot(cross(e, -p), normal) / nn;
+        offer({i, j, k}, {1 - v - w, v, w});
+      }
+    }
+  }
+  if (n == 4) {
+    const V3 &o = simplex[0].difference, e = simplex[1].difference - o, f = simplex[2].difference - o,
+             g = simplex[3].difference - o;
+    const Real volume = dot(e, cross(f, g));
+    const Real u = dot(-o, cross(f, g)) / volume, v = dot(e, cross(-o, g)) / volume,
+               w = dot(e, cross(f, -o)) / volume;
+    offer({0, 1, 2, 3}, {1 - u - v - w, u, v, w});
+  }
+  simplex = std::move(kept), weights = std::move(kept_weights);
+  return nearest;
+}
+
+/// Distance of two convex sets given by their support functions, with the duality gap as proof: `lower` comes
+/// from a separating plane, `upper` from two points. Gilbert's simplex descent; `scale` bounds all
+/// coordinates.
+template <class SupportA, class SupportB>
+Gap convexGap(const SupportA& support_a, const SupportB& support_b, V3 direction, Real scale) {
+  const auto support = [&](const V3& n) {
+    const V3 a = support_a(n), b = support_b(-n);
+    return SupportPair{a - b, a, b};
+  };
+  if (!(norm(direction) > 0)) direction = {1, 0, 0};
+  std::vector<SupportPair> simplex{support(-direction)};
+  std::vector<Real> weights{1};
+  Gap best;
+  best.lower = 0;
+  Real previous = std::numeric_limits<Real>::infinity();
+  for (int i = 0; i < 300; ++i) {
+    const V3 v = nearestOnSimplex(simplex, weights);
+    const Real length = norm(v);
+    if (length < best.upper) {
+      best.a = best.b = V3{};
+      for (std::size_t k = 0; k < simplex.size(); ++k) {
+        best.a = best.a + weights[k] * simplex[k].a;
+        best.b = best.b + weights[k] * simplex[k].b;
+      }
+      best.upper = length;
+    }
+    if (length <= 1e-19L * scale) {
+      best.lower = best.upper = 0;
+      return best;
+    }
+    const SupportPair next = support(-v);
+    best.lower = std::max(best.lower, dot(v, next.difference) / length - 4e-19L * scale);
+    if (best.upper - best.lower <= 1e-18L * scale || (i > 4 && !(length < previous)) || simplex.size() == 4)
+      break;
+    previous = length;
+    simplex.push_back(next);
+  }
+  return best;
+}
+
+inline Gap cylinderCylinder(const Cylinder& c, const Cylinder& d) {
+  const Real scale = norm(d.centre - c.centre) + c.radius + c.half + d.radius + d.half;
+  return convexGap([&](const V3& n) { return supportOfCylinder(c, n); },
+                   [&](const V3& n) { return supportOfCylinder(d, n); }, c.centre - d.centre, scale);
+}
+
+/// Distance between the hull of 1, 2 or 3 points and a cylinder.
+inline Gap flatCylinder(const V3* t, int n, const Cylinder& c) {
+  if (n == 1) return pointCylinder(t[0], c);
+  if (n == 2) return segmentCylinder(t[0], t[1], c);
+  return triangleCylinder(t, c);
+}
+
+}  // namespace oracle
