@@ -202,10 +202,11 @@ std::optional<double> meetTriangle(const Vec3& from, const Vec3& step, const std
 }
 
 struct Hit {
-  double lambda = std::numeric_limits<double>::infinity();  ///< fraction of the tested segment
-  Vec3 point;                                               ///< in A's frame
-  Vec3 normal;  ///< in A's frame, unit, against the particle's motion
-  Side side;    ///< shape, feature and triangle of A
+  double lambda =
+      std::numeric_limits<double>::infinity();  ///< fraction of the tested segment; infinite: no hit
+  Vec3 point;                                   ///< in A's frame
+  Vec3 normal;                                  ///< in A's frame, unit, against the particle's motion
+  Side side;                                    ///< shape, feature and triangle of A
 };
 
 /// Where B's particle sits in its object's frame.
@@ -252,8 +253,8 @@ class PaperMethod : public PairMethod {
     if (near) {
       // A piece owns (start, end]; only a pair's first piece owns its start.
       const bool owns_start = state.phase == PairState::Phase::kNew || entry > 0.0;
-      Hit hit = nearestHit(from, step, owns_start, outcome.node_tests);
-      if (hit.lambda <= 1.0) {
+      const Hit hit = nearestHit(from, step, owns_start, outcome.node_tests);
+      if (std::isfinite(hit.lambda)) {
         outcome.answer = Answer::kImpact;
         const double u = variant_ == PaperVariant::kA ? hit.lambda : entry;
         const Vec3 velocity = variant_ == PaperVariant::kA ? step : path.derivative(entry);

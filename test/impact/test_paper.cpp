@@ -143,6 +143,7 @@ TEST(PaperA, MissesAreMisses) {
   EXPECT_EQ(answer({-90, 0.0, 0.0}, {2000, 0, 0}), Answer::kCulled)
       << "the line meets the sphere, the path does not";
   EXPECT_EQ(answer({40, 0.0, 0.0}, {2000, 0, 0}), Answer::kCulled) << "it flies away";
+  EXPECT_EQ(answer({0.5, 0.5, 0.0}, {2000, 0, 0}), Answer::kClear) << "the plate lies behind it";
   EXPECT_EQ(answer({0, -40, 0}, {0, 2000, 0}), Answer::kClear)
       << "in the plate's plane: parallel, no hit by eq. 5";
 }
@@ -178,9 +179,10 @@ TEST(PaperA, LimitRotationDuringThePieceIsIgnored) {
   RigidMotion spinning = moving({0, 0, 0}, {0, 0, 0});
   spinning.omega = {0, 0, rate};
   const RigidMotion shot = moving({-distance, height, 0}, {speed, 0, 0});
-  const double reported =
-      run(PaperVariant::kA, *target, *point, frame(spinning, shot)).events.at(0).toi_lower;
+  const PairEvent e = run(PaperVariant::kA, *target, *point, frame(spinning, shot)).events.at(0);
+  const double reported = e.toi_lower;
   EXPECT_NEAR(reported, distance / speed, 1e-15) << "the plate as it stood at the piece's start";
+  EXPECT_LT((e.position - Vec3(0, height, 0)).norm(), 1e-12) << "eq. 7 moves back without the rotation too";
 
   // In truth the plate's line is x = -y tan(rate t): -distance + speed t = -height tan(rate t).
   double truth = 0.0;
@@ -272,6 +274,17 @@ TEST(PaperB, LimitTheStaticTestFollowsTheTangent) {
   EXPECT_EQ(events(1.5, 4000), 1u) << "a false hit: the tangent at the entry leads to the plate";
   ASSERT_LT(heightAtPlate(2.3, -2000), 1.95) << "in truth it bends onto the plate";
   EXPECT_EQ(events(2.3, -2000), 0u) << "a miss: the tangent at the entry leads past it";
+}
+
+TEST(PaperB, TheRayEndsWithThePiece) {
+  const auto target = plate();
+  const auto point = bodyOf(geometry::Point{});
+  const auto events = [&](double speed) {
+    const Piece piece = frame(standing(), moving({-3.5, 0.5, 0}, {speed, 0, 0}));
+    return run(PaperVariant::kB, *target, *point, piece).events.size();
+  };
+  EXPECT_EQ(events(3.6 / kDuration), 1u);
+  EXPECT_EQ(events(3.4 / kDuration), 0u) << "it enters the sphere but stops 10 cm short of the plate";
 }
 
 TEST(PaperB, InsideTheSphereTheTimeIsThePieceStart) {
