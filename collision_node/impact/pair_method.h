@@ -85,7 +85,9 @@ struct PairState {
   enum class Phase : std::uint8_t { kNew, kApart, kTouching, kUndecided };
   Phase phase = Phase::kNew;
   bool was_touching = false;  ///< kUndecided: the bracket opened from contact (else from apart)
+  bool published = false;     ///< kUndecided for so long that the bracket was published; it holds nothing up any more
   PairEvent pending;          ///< kUndecided: the bracket being searched, toi_lower is set
+  double pending_speed = 0.0;  ///< kUndecided: the largest relative speed since the bracket opened [m/s]
   PairEvent contact;          ///< kTouching (and kUndecided from contact): the event that opened the contact
   Nanoseconds decided_ns = 0;  ///< everything up to here is decided
   Piece last_piece;            ///< the last piece advanced over

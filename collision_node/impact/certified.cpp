@@ -1,0 +1,535 @@
+/// The certified solver: one pair of links, piece by piece, as a small state machine over what is proved.
+///
+/// Guarantees (docs/solver.md; each has a test that quotes it):
+///   - Time that no event and no bracket covers is proved free of contact, or proved to be contact throughout up to
+///     gaps no longer than the bracket's width.
+///   - CONFIRMED: apart before toi_lower, contact proved at or before toi_upper.
+///   - What cannot be decided is published as POSSIBLE, never as clear.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "collision_node/impact/contact_facts.h"
+#include "collision_node/impact/pair_method.h"
+#include "collision_node/impact/search.h"
+
+namespace collision_node::impact {
+namespace {
+
+using Phase = PairState::Phase;
+
+constexpr double kGrow = 1.5;  ///< successive instants of a search behind a bracket's start
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The state machine on one piece. Times are seconds from the piece's start.
+class Run {
+ public:
+  Run(const PairPiece& pair, const Piece& piece, const PairOptions& options, PairState& state,
+      std::vector<PairEvent>& events)
+      : pair_(pair), piece_(piece), options_(options), search_(pair, options.node_budget), state_(state),
+        events_(events), end_(pair.motion.duration()) {
+    const double speed = std::max(pair.speed, 1e-300);
+    // Refine the bracket until neither its width nor what it adds to the ball matters; the rounding budget is the floor.
+    floor_ = std::max(pair.point_error / speed, 64.0 * kUnit * end_);
+    width_ = std::max(std::min(options.time_precision, 0.02 * options.distance_precision / speed), floor_);
+  }
+
+  PieceOutcome run() {
+    const std::size_t before = events_.size();
+    PieceOutcome outcome;
+    if (search_.outOfReach()) {
+      outcome.answer = Answer::kCulled;
+      if (state_.phase == Phase::kNew) state_.phase = Phase::kApart;
+      if (state_.phase == Phase::kApart) return outcome;
+    }
+    double t = 0.0;
+    if (state_.phase == Phase::kNew) {
+      start();
+    } else if (state_.phase != Phase::kApart) {
+      state_.pending_speed = std::max(state_.pending_speed, pair_.speed);
+    }
+    std::optional<ContactWitness> witness;
+    if (start_witness_) witness = std::move(start_witness_);
+    while (true) {
+      if (search_.exhausted()) {
+        stopForBudget(t);
+        break;
+      }
+      if (state_.phase == Phase::kApart) {
+        const Search::First first = search_.firstPossible(t, end_, 0.1 * width_);
+        if (!first.found) break;
+        if (search_.exhausted()) {
+          open(Kind::kImpact, first.time, first.pair);
+          continue;
+        }
+        open(Kind::kImpact, first.time, first.pair);
+        t = first.time;
+      } else if (state_.phase == Phase::kUndecided) {
+        if (!resolve(t, witness)) break;
+      } else {
+        if (!follow(t, witness)) break;
+      }
+    }
+    outcome.node_tests = search_.nodeTests();
+    outcome.subdivisions = search_.subdivisions();
+    outcome.budget_met = search_.exhausted();
+    outcome.answer = state_.phase == Phase::kUndecided ? Answer::kUndecided
+                     : state_.phase == Phase::kTouching || events_.size() > before ? Answer::kImpact
+                                                                                   : Answer::kClear;
+    for (std::size_t i = before; i < events_.size(); ++i) {
+      if (events_[i].certificate == Certificate::kPossible) outcome.answer = Answer::kUndecided;
+    }
+    return outcome;
+  }
+
+ private:
+  /// A pair's first instant: overlapping, apart, or not known.
+  void start() {
+    ContactWitness witness;
+    switch (search_.classify(0.0, &witness, end_)) {
+      case Proved::kApart:
+        state_.phase = Phase::kApart;
+        return;
+      case Proved::kContact: {
+        PairEvent event = stamped(Kind::kInitialOverlap, 0.0);
+        fill(event, describeOverlap(pair_, pair_.at(0.0), witness), 0.0, 0.0);
+        event.certificate = Certificate::kConfirmed;
+        event.reason = Reason::kNone;
+        events_.push_back(event);
+        state_.phase = Phase::kTouching;
+        state_.contact = event;
+        start_witness_ = std::move(witness);
+        return;
+      }
+      case Proved::kNothing:
+        open(Kind::kInitialOverlap, 0.0, firstOf(search_.nearPairs(0.0, 0.0, 1)));
+        return;
+    }
+  }
+
+  /// Opens a bracket at `t`: contact is possible from here on.
+  void open(Kind kind, double t, ElementPair pair) {
+    state_.phase = Phase::kUndecided;
+    state_.was_touching = kind == Kind::kSeparation;
+    state_.published = false;
+    state_.pending = stamped(kind, t);
+    state_.pending_speed = pair_.speed;
+    opened_ = pair;
+  }
+
+  /// Behind the start of an open bracket: finds what is proved first, contact or clearance. Returns false at the end.
+  bool resolve(double& t, std::optional<ContactWitness>& witness) {
+    const double from = t;
+    const bool carried = state_.pending.interval_start_ns != piece_.start_ns;
+    double proved_nothing = from;  // the last instant at which nothing was proved
+    ContactWitness found;
+    bool small = carried;  // start from the smallest step: something may be decided at once
+    double step = small ? floor_ : 0.5 * width_;
+    while (true) {
+      if (search_.exhausted()) return true;
+      const double at = std::min(end_, from + step);
+      const Proved proved = search_.classify(at, &found, end_);
+      if (proved == Proved::kContact) {
+        confirm(from, at, found, witness);
+        t = at;
+        return true;
+      }
+      if (proved == Proved::kApart && !(from >= end_)) {
+        if (passed(from, at, t)) return true;
+        if (!small && floor_ < 0.5 * step) {  // too far at once: look into what was skipped
+          small = true;
+          step = floor_;
+          continue;
+        }
+        if (inBetween(proved_nothing, at, found)) {
+          confirm(from, found_at_, found, witness);
+          t = found_at_;
+          return true;
+        }
+        const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
+        if (next.found && !(next.time - at > at - from) && next.time < end_) {
+          step = std::max(next.time - from, step * kGrow);  // a gap shorter than the bracket: the bracket goes on
+          proved_nothing = next.time;
+          continue;
+        }
+        publishPossible(at);
+        state_.phase = Phase::kApart;
+        t = at;
+        return true;
+      }
+      if (at >= end_) return waitForMore();
+      proved_nothing = at;
+      step *= kGrow;
+    }
+  }
+
+  /// The piece ends inside an open bracket. One that has been open for a whole piece is published and holds up nothing.
+  bool waitForMore() {
+    const bool carried = state_.pending.interval_start_ns != piece_.start_ns;
+    if (carried && !state_.published) {
+      if (!state_.was_touching) publishPossible(end_);
+      state_.published = true;
+    }
+    return false;
+  }
+
+  /// Contact is proved at `at`: closes the open bracket as CONFIRMED.
+  void confirm(double from, double at, const ContactWitness& found, std::optional<ContactWitness>& witness) {
+    witness = found;
+    if (state_.was_touching) {  // it never parted, as far as anybody can prove
+      state_.phase = Phase::kTouching;
+      return;
+    }
+    ElementPair pair{found.element_a, found.element_b};
+    if (pair.a < 0) pair = opened_.a >= 0 ? opened_ : firstOf(search_.nearPairs(from, at, 1));
+    PairEvent event = state_.pending;
+    event.kind = Kind::kImpact;
+    finish(event, from, at, pair);
+    event.certificate = Certificate::kConfirmed;
+    event.reason = event.toi_upper - event.toi_lower > options_.time_precision ? Reason::kPrecision : Reason::kNone;
+    events_.push_back(event);
+    state_.contact = event;
+    state_.phase = Phase::kTouching;
+  }
+
+  /// Contact at a few instants strictly between two?
+  bool inBetween(double low, double high, ContactWitness& found) {
+    constexpr int kLooks = 7;
+    for (int i = 1; i <= kLooks; ++i) {
+      const double at = low + (high - low) * i / (kLooks + 1);
+      if (at <= low || at >= high) continue;
+      if (search_.classify(at, &found, end_) == Proved::kContact) {
+        found_at_ = at;
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// A point went through a triangle between the two instants: an impact and its separation in one bracket.
+  bool passed(double from, double at, double& t) {
+    if (state_.was_touching) return false;
+    const Instant first = pair_.at(from), last = pair_.at(at);
+    for (const ElementPair& pair : search_.nearPairs(from, at, 16)) {
+      Vec3 buffer_a[3], buffer_b[3];
+      const Element a = pair_.a.element(pair.a, buffer_a), b = pair_.b.element(pair.b, buffer_b);
+      if (!passesThrough(pair_, first, last, a, b)) continue;
+      PairEvent event = state_.pending;
+      event.kind = Kind::kImpact;
+      finish(event, from, at, pair);
+      event.certificate = Certificate::kConfirmed;
+      event.reason = Reason::kNone;
+      events_.push_back(event);
+      state_.contact = event;
+      event.kind = Kind::kSeparation;
+      events_.push_back(event);
+      state_.phase = Phase::kApart;
+      t = at;
+      return true;
+    }
+    return false;
+  }
+
+  /// In contact at `t`: follows the proof forward, and where it ends looks for the next one or for clearance.
+  bool follow(double& t, std::optional<ContactWitness>& witness) {
+    double look = floor_;
+    double proved = t;  // contact is proved up to here
+    if (!witness) {     // a new piece: the last one's contact still has to be found in this one
+      ContactWitness found;
+      const Proved now = search_.classify(t, &found, end_);
+      if (now == Proved::kContact) witness = std::move(found);
+      if (now == Proved::kApart) {
+        openSeparation(t);
+        publishSeparation(t);
+        return true;
+      }
+    }
+    while (t < end_) {
+      if (search_.exhausted()) return true;
+      if (witness) {
+        persist(t, *witness);
+        proved = t;
+        last_witness_ = *witness;
+        witness.reset();
+        look = floor_;
+        if (t >= end_) break;
+      }
+      const double at = std::min(end_, proved + look);
+      ContactWitness found;
+      const Proved now = search_.classify(at, &found, end_ - at);
+      if (now == Proved::kContact) {
+        t = at;
+        witness = std::move(found);
+        continue;
+      }
+      if (now == Proved::kApart) {
+        const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
+        const bool owed = !next.found || next.time - at > at - proved;
+        if (owed) {
+          openSeparation(proved);
+          publishSeparation(at);
+          t = at;
+          return true;
+        }
+        look = std::max(next.time - proved, look * kGrow);
+      } else {
+        look *= kGrow;
+      }
+      if (at >= end_) {
+        openSeparation(proved);
+        state_.phase = Phase::kUndecided;
+        return waitForMore();
+      }
+    }
+    openSeparation(proved);  // where the next piece would begin to look
+    state_.phase = Phase::kTouching;
+    return false;
+  }
+
+  /// Moves t forward as long as this witness proves contact.
+  void persist(double& t, ContactWitness& witness) {
+    if (witness.element_a < 0) {  // one body inside the other: until surfaces can meet
+      const Search::First first = search_.firstPossible(t, end_, 0.1 * width_);
+      t = first.found ? std::max(t, first.time) : end_;
+      return;
+    }
+    Vec3 buffer_a[3], buffer_b[3];
+    const Element a = pair_.a.element(witness.element_a, buffer_a), b = pair_.b.element(witness.element_b, buffer_b);
+    double step = end_ - t;
+    Instant now = pair_.at(t);
+    while (t < end_ && !search_.exhausted()) {
+      const double next = std::min(end_, t + step);
+      const Instant later = pair_.at(next);
+      search_.countTest();
+      if (next > t && touchesThrough(pair_, now, later, a, b, witness)) {
+        t = next;
+        now = later;
+        ContactWitness fresh;
+        if (touchesAt(pair_, now, a, b, closestPoints(Cores(now, a, b), Vec3::Zero()), fresh)) {
+          witness.closest = fresh.closest;
+          witness.wrap = std::move(fresh.wrap);
+          witness.rounded = fresh.rounded;
+          witness.point = fresh.point;
+        }
+        step *= 2.0;
+      } else {
+        step *= 0.25;
+        if (step < floor_) return;
+      }
+    }
+  }
+
+  void openSeparation(double t) {
+    const PairEvent contact = state_.contact;
+    open(Kind::kSeparation, t, {last_witness_.element_a, last_witness_.element_b});
+    state_.contact = contact;
+  }
+
+  void publishSeparation(double at) {
+    PairEvent event = state_.pending;
+    const double from = std::max(0.0, localStart(event));
+    ElementPair pair = opened_;
+    if (pair.a < 0) pair = firstOf(search_.nearPairs(from, at, 1));
+    finish(event, at, at, pair, at - from);
+    const bool sure = state_.contact.certificate == Certificate::kConfirmed && !state_.published;
+    event.certificate = sure ? Certificate::kConfirmed : Certificate::kPossible;
+    event.reason = !sure ? Reason::kGrazing
+                   : event.toi_upper - event.toi_lower > options_.time_precision ? Reason::kPrecision
+                                                                                 : Reason::kNone;
+    events_.push_back(event);
+    state_.phase = Phase::kApart;
+    state_.was_touching = false;
+  }
+
+  /// Closes the open bracket at `at`, where the pair is proved apart again or the data end, without a proof of contact.
+  void publishPossible(double at) {
+    if (state_.was_touching) {
+      publishSeparation(at);
+      return;
+    }
+    if (state_.published) return;
+    PairEvent event = state_.pending;
+    const double from = std::max(0.0, localStart(event));
+    finish(event, from, at, opened_.a >= 0 ? opened_ : firstOf(search_.nearPairs(from, at, 1)));
+    if (event.kind == Kind::kInitialOverlap) event.toi_upper = event.toi_lower;
+    event.certificate = Certificate::kPossible;
+    event.reason = search_.exhausted() ? Reason::kBudget : Reason::kGrazing;
+    events_.push_back(event);
+  }
+
+  /// The node budget is spent: everything from `t` on is one open question.
+  void stopForBudget(double t) {
+    if (state_.phase == Phase::kUndecided && !state_.was_touching) {
+      publishPossible(end_);
+      state_.published = true;
+    } else {
+      openSeparation(t);
+      state_.phase = Phase::kUndecided;
+      state_.published = true;
+    }
+  }
+
+  /// An event on this piece at `t`: stamps, samples, poses.
+  PairEvent stamped(Kind kind, double t) const {
+    PairEvent event;
+    event.kind = kind;
+    event.interval_start_ns = piece_.start_ns;
+    event.interval_end_ns = piece_.end_ns;
+    event.toi_lower = event.toi_upper = t;
+    event.a.pose = pair_.motion.poseA(t);
+    event.b.pose = pair_.motion.poseB(t);
+    event.a.sample_before_ns = piece_.a.start_ns;
+    event.a.sample_after_ns = piece_.a.end_ns;
+    event.b.sample_before_ns = piece_.b.start_ns;
+    event.b.sample_after_ns = piece_.b.end_ns;
+    return event;
+  }
+
+  /// The bracket's start on this piece's clock; negative when it opened earlier.
+  double localStart(const PairEvent& event) const {
+    return event.toi_lower - motion::secondsBetween(event.interval_start_ns, piece_.start_ns);
+  }
+
+  /// Sets the bracket's end and all facts, taken at `reference`; `multiple` from what else is near in [from, at].
+  void finish(PairEvent& event, double reference, double at, ElementPair pair, double back = 0.0) {
+    const Instant now = pair_.at(reference);
+    const double span = std::max(at - reference, back);
+    const double earlier = std::max(0.0, -localStart(event));
+    const double slid = earlier * state_.pending_speed;
+    ContactFacts facts = pair.a >= 0 ? describeContact(pair_, now, span, pair, slid)
+                                     : describeUnknown(pair_, now, span + earlier);
+    event.multiple = false;
+    if (pair.a >= 0) joinNeighbours(event, facts, now, std::max(0.0, reference - back), at, span, pair, slid);
+    fill(event, facts, reference, at);
+  }
+
+  /// Other element pairs that may touch in the bracket: at the same place they widen the ball, elsewhere they are said.
+  void joinNeighbours(PairEvent& event, ContactFacts& facts, const Instant& now, double from, double at, double span,
+                      ElementPair pair, double slid) {
+    constexpr std::size_t kLimit = 48;
+    for (const ElementPair& other : search_.nearPairs(from, at, kLimit)) {
+      if (other.a == pair.a && other.b == pair.b) continue;
+      const ContactFacts near = describeContact(pair_, now, span, other, slid);
+      const double needed = (near.position - facts.position).norm() + near.position_error;
+      if (needed <= facts.position_error) continue;
+      if (needed <= std::max(2.0 * facts.position_error, 0.5 * options_.distance_precision)) {
+        facts.position_error = needed * (1.0 + 16.0 * kUnit);
+      } else {
+        event.multiple = true;
+      }
+    }
+  }
+
+  void fill(PairEvent& event, const ContactFacts& facts, double reference, double at) const {
+    const double shift = motion::secondsBetween(event.interval_start_ns, piece_.start_ns);
+    event.toi_upper = shift == 0.0 ? at : std::nextafter(shift + at, kInfinity);
+    event.toi_upper = std::max(event.toi_upper, event.toi_lower);
+    event.position = pair_.motion.poseA(reference).position + facts.position;
+    event.position_error = facts.position_error;
+    event.normal = facts.normal;
+    event.normal_error = facts.normal_error;
+    event.relative_velocity = facts.relative_velocity;
+    event.closing_speed = facts.closing_speed;
+    const auto copySide = [](Side& to, const Side& from) {
+      to.shape = from.shape;
+      to.feature = from.feature;
+      to.triangle = from.triangle;
+      to.point = from.point;
+    };
+    copySide(event.a, facts.a);
+    copySide(event.b, facts.b);
+  }
+
+  static ElementPair firstOf(const std::vector<ElementPair>& pairs) {
+    return pairs.empty() ? ElementPair{} : pairs.front();
+  }
+
+  const PairPiece& pair_;
+  const Piece& piece_;
+  const PairOptions& options_;
+  Search search_;
+  PairState& state_;
+  std::vector<PairEvent>& events_;
+  const double end_;
+  double floor_, width_;
+  ElementPair opened_;
+  ContactWitness last_witness_;
+  std::optional<ContactWitness> start_witness_;
+  double found_at_ = 0.0;
+};
+
+class Certified : public PairMethod {
+ public:
+  Certified(const Body& a, const Body& b, const PairOptions& options) : a_(a), b_(b), options_(options) {}
+
+  PieceOutcome advance(const Piece& piece, PairState& state, std::vector<PairEvent>& events) const override {
+    const PairPiece pair(a_, b_, piece, options_.contact_distance);
+    const PieceOutcome outcome = Run(pair, piece, options_, state, events).run();
+    state.decided_ns = piece.end_ns;
+    state.last_piece = piece;
+    return outcome;
+  }
+
+  void finish(PairState& state, std::vector<PairEvent>& events) const override {
+    if (state.phase == Phase::kUndecided && !state.was_touching && !state.published) {
+      PairEvent event = state.pending;
+      const Piece& piece = state.last_piece;
+      const PairPiece pair(a_, b_, piece, options_.contact_distance);
+      const double duration = pair.motion.duration();
+      const ContactFacts facts = describeUnknown(pair, pair.at(duration), duration);
+      event.toi_upper = motion::secondsBetween(event.interval_start_ns, piece.end_ns);
+      if (event.kind == Kind::kInitialOverlap) event.toi_upper = event.toi_lower;
+      event.position = pair.motion.poseA(duration).position + facts.position;
+      event.position_error = facts.position_error;
+      event.normal = facts.normal;
+      event.normal_error = facts.normal_error;
+      event.relative_velocity = facts.relative_velocity;
+      event.closing_speed = facts.closing_speed;
+      event.a.point = facts.a.point;
+      event.b.point = facts.b.point;
+      event.certificate = Certificate::kPossible;
+      event.reason = Reason::kGrazing;
+      events.push_back(event);
+      state.published = true;
+    }
+  }
+
+  void interrupt(PairState& state, Reason reason, std::vector<PairEvent>& events) const override {
+    finish(state, events);
+    const bool in_contact =
+        state.phase == Phase::kTouching || (state.phase == Phase::kUndecided && state.was_touching);
+    if (in_contact) {
+      PairEvent event = state.contact;
+      const Piece& piece = state.last_piece;
+      event.kind = Kind::kSeparation;
+      event.certificate = Certificate::kUncertified;
+      event.reason = reason;
+      event.interval_start_ns = piece.start_ns;
+      event.interval_end_ns = piece.end_ns;
+      event.toi_lower = event.toi_upper = motion::secondsBetween(piece.start_ns, piece.end_ns);
+      const RelativeMotion m(piece.a, piece.b, piece.start_ns, piece.end_ns);
+      event.a.pose = m.poseA(event.toi_lower);
+      event.b.pose = m.poseB(event.toi_lower);
+      event.a.sample_before_ns = piece.a.start_ns;
+      event.a.sample_after_ns = piece.a.end_ns;
+      event.b.sample_before_ns = piece.b.start_ns;
+      event.b.sample_after_ns = piece.b.end_ns;
+      events.push_back(event);
+    }
+    state = PairState();
+  }
+
+ private:
+  const Body& a_;
+  const Body& b_;
+  const PairOptions options_;
+};
+
+}  // namespace
+
+std::unique_ptr<PairMethod> makeCertified(const Body& a, const Body& b, const PairOptions& options) {
+  return std::make_unique<Certified>(a, b, options);
+}
+
+}  // namespace collision_node::impact

@@ -1,0 +1,132 @@
+#include "collision_node/impact/inside.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace collision_node::impact {
+namespace {
+
+/// Fixed directions in general position; another is tried when a sign is uncertain.
+const Vec3 kDirections[] = {
+    {0.5773, 0.5613, 0.5930},  {-0.2715, 0.8437, -0.4632}, {0.1234, -0.3987, 0.9088}, {0.8461, -0.5102, -0.1543},
+    {-0.6621, -0.2113, 0.719}, {-0.3301, 0.2902, 0.8982},  {0.0417, 0.9913, 0.1247},  {-0.9411, 0.1871, -0.2817},
+    {0.2931, -0.9122, -0.287}, {0.6617, 0.1123, -0.7413},  {-0.1107, -0.7093, -0.696}, {0.3719, 0.7121, -0.5955}};
+
+/// Could the line through `p` along `u`, thickened by `error`, meet the box ahead of p?
+bool meetsBox(const Vec3& p, const Vec3& u, const geometry::BvhNode& node, double error) {
+  double low = -1e-300, high = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const double half = node.half[k] + error + 1e-12 * (node.half[k] + std::abs(node.centre[k]) + std::abs(p[k]));
+    const double near = (node.centre[k] - p[k] - half) / u[k], far = (node.centre[k] - p[k] + half) / u[k];
+    low = std::max(low, std::min(near, far));
+    high = std::min(high, std::max(near, far));
+  }
+  return low <= high * (1.0 + 1e-12) + 1e-300;
+}
+
+/// Crossing of one triangle: +-1, 0, or uncertain.
+bool crossing(const Vec3& p, const Vec3& u, const Element& t, double error, int* sign) {
+  const Vec3 a = t.vertices[0] - p, b = t.vertices[1] - p, c = t.vertices[2] - p;
+  const double na = a.norm() + error, nb = b.norm() + error, nc = c.norm() + error;
+  const double length = u.norm();
+  const double slack_ab = length * ((error + 16.0 * kUnit * na) * nb + (error + 16.0 * kUnit * nb) * na);
+  const double slack_bc = length * ((error + 16.0 * kUnit * nb) * nc + (error + 16.0 * kUnit * nc) * nb);
+  const double slack_ca = length * ((error + 16.0 * kUnit * nc) * na + (error + 16.0 * kUnit * na) * nc);
+  const double ab = u.dot(a.cross(b)), bc = u.dot(b.cross(c)), ca = u.dot(c.cross(a));
+  *sign = 0;
+  const bool all_positive = ab > slack_ab && bc > slack_bc && ca > slack_ca;
+  const bool all_negative = ab < -slack_ab && bc < -slack_bc && ca < -slack_ca;
+  if (!all_positive && !all_negative) {
+    const bool some_positive = ab > slack_ab || bc > slack_bc || ca > slack_ca;
+    const bool some_negative = ab < -slack_ab || bc < -slack_bc || ca < -slack_ca;
+    return some_positive && some_negative;  // certainly misses
+  }
+  // Ahead of or behind p: the side of p seen from the triangle.
+  const double volume = a.dot(b.cross(c));
+  const double slack = error * (na * nb + nb * nc + na * nc) + 48.0 * kUnit * na * nb * nc;
+  if (std::abs(volume) <= slack) return false;
+  const bool ahead = (volume > 0.0) == all_positive;
+  if (ahead) *sign = all_positive ? 1 : -1;
+  return true;
+}
+
+bool windingAlong(const Body& body, const geometry::SolidMesh& solid, const Vec3& p, const Vec3& u, double error,
+                  int* winding) {
+  const auto& nodes = body.nodes();
+  std::vector<std::int32_t> stack = {0};
+  Vec3 buffer[3];
+  *winding = 0;
+  while (!stack.empty()) {
+    const geometry::BvhNode& node = nodes[stack.back()];
+    stack.pop_back();
+    if (!meetsBox(p, u, node, error)) continue;
+    if (node.left >= 0) {
+      stack.push_back(node.left);
+      stack.push_back(node.left + 1);
+    } else if (node.element >= solid.first_element && node.element < solid.end_element) {
+      int sign = 0;
+      if (!crossing(p, u, body.element(node.element, buffer), error, &sign)) return false;
+      *winding += sign;
+    }
+  }
+  return true;
+}
+
+Where anyInside(const Body& body, const std::vector<Vec3>& points, double error, Vec3* found) {
+  Where answer = Where::kOutside;
+  for (const auto& solid : body.solids()) {
+    for (const Vec3& p : points) {
+      const Where where = whereIn(body, solid, p, error);
+      if (where == Where::kInside) {
+        *found = p;
+        return where;
+      }
+      if (where == Where::kUnknown) answer = where;
+    }
+  }
+  return answer;
+}
+
+}  // namespace
+
+Where whereIn(const Body& body, const geometry::SolidMesh& solid, const Vec3& point, double error) {
+  const geometry::BvhNode& root = body.nodes()[0];
+  const Vec3 off = (point - root.centre).cwiseAbs() - root.half;
+  if (off.maxCoeff() > error + 1e-12 * (root.reach + point.norm())) return Where::kOutside;
+  for (const Vec3& u : kDirections) {
+    int winding = 0;
+    if (windingAlong(body, solid, point, u, error, &winding)) return winding != 0 ? Where::kInside : Where::kOutside;
+  }
+  return Where::kUnknown;
+}
+
+Where containment(const PairPiece& piece, const Instant& now, Vec3* held) {
+  if (piece.a.solids().empty() && piece.b.solids().empty()) return Where::kOutside;
+  const double error = 2.0 * piece.point_error;
+  Where answer = Where::kOutside;
+  Vec3 found;
+  std::vector<Vec3> points;
+  if (!piece.b.solids().empty()) {
+    for (const Vec3& x : piece.a.representatives()) points.push_back(now.rb.transpose() * (now.ra * x - now.d));
+    answer = anyInside(piece.b, points, error, &found);
+    if (answer == Where::kInside) {
+      *held = now.d + now.rb * found;
+      return answer;
+    }
+  }
+  if (!piece.a.solids().empty()) {
+    points.clear();
+    for (const Vec3& y : piece.b.representatives()) points.push_back(now.ra.transpose() * (now.d + now.rb * y));
+    const Where other = anyInside(piece.a, points, error, &found);
+    if (other == Where::kInside) {
+      *held = now.ra * found;
+      return other;
+    }
+    if (other == Where::kUnknown) answer = other;
+  }
+  return answer;
+}
+
+}  // namespace collision_node::impact
