@@ -1,4 +1,5 @@
-/// Poses in, events out: tracks -> segments -> pieces -> verdicts -> events in order, with epochs and a watermark.
+/// Poses in, events out: tracks -> segments -> pieces -> verdicts -> events in order, with epochs and a
+/// watermark.
 #pragma once
 
 #include <cstdint>
@@ -44,17 +45,22 @@ struct Event {
   EventSide a, b;
 };
 
-/// Heartbeat: what has been decided up to `watermark_ns`, and what it cost. Counts are since the last heartbeat
-/// for pairs, totals for inputs.
+/// Heartbeat: what has been decided up to `watermark_ns`, and what it cost. Counts are since the last
+/// heartbeat for pairs, totals since the engine began for inputs, costs and worst values. A heartbeat comes
+/// at each whole stats_period after the epoch's first stamp, at a flush and at the end of an epoch.
 struct Stats {
   std::uint32_t epoch = 0;
-  Nanoseconds stamp_ns = 0;      ///< data time of this heartbeat
-  Nanoseconds watermark_ns = 0;  ///< everything before it is decided and published; meaningless unless has_watermark
+  Nanoseconds stamp_ns = 0;  ///< data time of this heartbeat
+  Nanoseconds watermark_ns =
+      0;  ///< everything before it is decided and published; meaningless unless has_watermark
   bool has_watermark = false;
-  std::uint64_t pairs_culled = 0, pairs_clear = 0, pairs_impact = 0, pairs_undecided = 0;  ///< sum = watched covered pairs
+  std::uint64_t pairs_culled = 0, pairs_clear = 0, pairs_impact = 0,
+                pairs_undecided = 0;  ///< sum = watched covered pairs
   std::uint64_t pairs_uncovered = 0;
-  std::vector<std::string> uncovered_objects;
-  std::uint64_t accepted = 0, reordered = 0, late = 0, duplicate = 0, rejected = 0, lost = 0;
+  std::vector<std::string> uncovered_objects;  ///< waited for in vain, or dropped
+  std::uint64_t accepted = 0, reordered = 0, late = 0, duplicate = 0,
+                rejected = 0;  ///< reordered: of the accepted
+  std::uint64_t lost = 0;      ///< filled by the caller, who sees sequence numbers
   std::uint64_t node_tests = 0, subdivisions = 0, budget_met = 0;
   double worst_bracket = 0;         ///< [s]
   double worst_position_error = 0;  ///< [m]
@@ -68,17 +74,27 @@ class Engine {
     std::function<void(const Stats&)> stats;  ///< every stats_period of data time
   };
 
+  /// How the pairs are solved; called once per watched pair of links.
+  using MethodFactory = std::function<std::unique_ptr<impact::PairMethod>(
+      const geometry::Body& a, const geometry::Body& b, const impact::PairOptions& options)>;
+
+  /// Throws std::invalid_argument when the scene asks for what the engine cannot do, naming the object or
+  /// key.
   Engine(std::shared_ptr<const Scene> scene, impact::MethodName method, Sinks sinks);
+  Engine(std::shared_ptr<const Scene> scene, const MethodFactory& make_method, Sinks sinks);
   ~Engine();
 
-  /// Hands in one pose of `object` (index into Scene::objects), in any order. Bad poses are counted, not thrown.
-  /// `guessed_stamp`: the stamp was invented by the receiver.
+  /// Hands in one pose of `object` (index into Scene::objects), in any order. Bad poses are counted, not
+  /// thrown. `guessed_stamp`: the stamp was invented by the receiver. Throws std::invalid_argument when there
+  /// is no such object or it has a fixed pose.
   void addPose(int object, motion::StampedPose pose, bool guessed_stamp = false);
 
   /// /clock went back: every track's next pose starts a new epoch.
   void clockWentBack();
 
   /// The end (bag end, `~flush`, shutdown): releases all, decides, publishes. Open contacts stay open.
+  /// Poses may follow: every track goes on from its last pose, and nothing between is missed. As the flush
+  /// published ahead of the watermark, events after it may be older than its last ones.
   void flush();
 
   /// `~reset`: flush, end open contacts with reason RESET, forget all poses, start a new epoch.

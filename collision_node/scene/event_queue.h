@@ -1,0 +1,52 @@
+/// Events wait here until nothing earlier can come; then they leave in order, with their numbers.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <tuple>
+
+#include "collision_node/scene/engine.h"
+#include "collision_node/scene/instant.h"
+
+namespace collision_node::scene {
+
+/// The number of one contact, given when its first event is published. Shared by an impact and its
+/// separation.
+struct ContactNumber {
+  bool is_given = false;
+  std::uint64_t value = 0;
+};
+
+class EventQueue {
+ public:
+  /// `pair_rank`: the pair's place in byte order of (object a, link a, object b, link b). Events of one pair
+  /// that compare equal in everything leave in the order they came.
+  void push(int pair_rank, const Event& event, std::shared_ptr<ContactNumber> contact);
+
+  bool empty() const { return events_.empty(); }
+  /// True when the first event lies before `limit`.
+  bool hasBefore(const Instant& limit) const {
+    return !empty() && std::get<0>(events_.begin()->first) < limit;
+  }
+
+  /// Takes the first event out and gives it its event_id and contact_id.
+  Event pop();
+
+  /// event_id and contact_id start at 0 again. The queue must be empty.
+  void newEpoch();
+
+ private:
+  // toi_lower, toi_upper, pair (a, then b), kind, arrival
+  using Key = std::tuple<Instant, Instant, int, impact::Kind, std::uint64_t>;
+  struct Waiting {
+    Event event;
+    std::shared_ptr<ContactNumber> contact;
+  };
+
+  std::map<Key, Waiting> events_;
+  std::uint64_t arrivals_ = 0;
+  std::uint64_t next_event_ = 0, next_contact_ = 0;
+};
+
+}  // namespace collision_node::scene

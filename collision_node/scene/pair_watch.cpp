@@ -1,0 +1,157 @@
+#include "collision_node/scene/pair_watch.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "collision_node/scene/zones.h"
+
+namespace collision_node::scene {
+
+namespace {
+
+using Phase = impact::PairState::Phase;
+
+/// Upper bound of the speed of any point of the link on the segment. [m/s]
+double speedBound(const motion::RigidMotion& motion, const geometry::Body& body) {
+  if (motion.fixed) return 0.0;
+  const double h = motion::secondsBetween(motion.start_ns, motion.end_ns);
+  return motion.c[1].norm() + 2.0 * h * motion.c[2].norm() + 3.0 * h * h * motion.c[3].norm() +
+         motion.omega.norm() * body.reach();
+}
+
+EventSide makeSide(const Object& object, const Link& link, const impact::Side& from, const Vec3& position,
+                   double ball) {
+  EventSide side;
+  side.object = object.name;
+  side.link = link.name;
+  side.shape = from.shape;
+  side.feature = from.feature;
+  side.triangle = from.triangle;
+  side.point = link.T_o_l.inverse() * from.point;
+  side.pose = from.pose * link.T_o_l;
+  side.sample_before_ns = from.sample_before_ns;
+  side.sample_after_ns = from.sample_after_ns;
+  // Taking the ball's centre into the link's frame rounds like the coordinates it comes from.
+  const double rounding = 16.0 * std::numeric_limits<double>::epsilon() *
+                          (position.cwiseAbs().sum() + side.pose.position.cwiseAbs().sum());
+  const ZoneAnswer zone =
+      findZone(object, link.name, side.point, side.pose.inverse() * position, ball + rounding);
+  side.zone = zone.name;
+  side.zone_certain = zone.certain;
+  return side;
+}
+
+}  // namespace
+
+PairWatch::PairWatch(const Scene& scene, const LinkPair& pair, int rank,
+                     std::unique_ptr<impact::PairMethod> method)
+    : scene_(scene), pair_(pair), rank_(rank), method_(std::move(method)) {}
+
+void PairWatch::advance(const Step& step, EventQueue& queue, Costs& costs) {
+  std::vector<impact::PairEvent> events;
+  const impact::PieceOutcome outcome = method_->advance(step.piece, state_, events);
+  costs.node_tests += outcome.node_tests;
+  costs.subdivisions += outcome.subdivisions;
+  if (outcome.budget_met) ++costs.budget_met;
+  last_ = outcome.answer;
+  worst_ = worst_ ? std::max(*worst_, outcome.answer) : outcome.answer;
+
+  // An event whose bracket opened on an earlier piece carries what was wrong there too.
+  const Context here = contextOf(step);
+  const Context carried{worseDoubt(bracket_.doubt, here.doubt), std::max(bracket_.speed_a, here.speed_a),
+                        std::max(bracket_.speed_b, here.speed_b)};
+  for (const impact::PairEvent& event : events)
+    publish(event, event.interval_start_ns < step.piece.start_ns ? carried : here, queue);
+  bracket_ = state_.phase == Phase::kUndecided ? carried : Context();
+}
+
+void PairWatch::interrupt(impact::Reason reason, EventQueue& queue) {
+  std::vector<impact::PairEvent> events;
+  method_->interrupt(state_, reason, events);
+  for (const impact::PairEvent& event : events) publish(event, bracket_, queue);
+  startOver();
+}
+
+void PairWatch::finish(EventQueue& queue) {
+  std::vector<impact::PairEvent> events;
+  method_->finish(state_, events);
+  for (const impact::PairEvent& event : events) publish(event, bracket_, queue);
+}
+
+void PairWatch::startOver() {
+  state_ = impact::PairState();
+  bracket_ = Context();
+  contact_.reset();
+}
+
+std::optional<Instant> PairWatch::openSince() const {
+  if (state_.phase != Phase::kUndecided) return std::nullopt;
+  return instantAt(state_.pending.interval_start_ns, state_.pending.toi_lower);
+}
+
+impact::Answer PairWatch::worstAnswer() const {
+  if (worst_) return *worst_;
+  if (state_.phase == Phase::kTouching) return impact::Answer::kImpact;
+  if (state_.phase == Phase::kUndecided) return impact::Answer::kUndecided;
+  return std::min(last_, impact::Answer::kClear);
+}
+
+void PairWatch::clearAnswer() { worst_.reset(); }
+
+PairWatch::Context PairWatch::contextOf(const Step& step) const {
+  const Link& a = scene_.objects[pair_.object_a].links[pair_.link_a];
+  const Link& b = scene_.objects[pair_.object_b].links[pair_.link_b];
+  return {step.doubt, speedBound(step.piece.a, *a.body), speedBound(step.piece.b, *b.body)};
+}
+
+void PairWatch::publish(const impact::PairEvent& event, const Context& context, EventQueue& queue) {
+  queue.push(rank_, makeEvent(event, context), contactOf(event));
+}
+
+Event PairWatch::makeEvent(const impact::PairEvent& from, const Context& context) const {
+  constexpr double kNotAsked = std::numeric_limits<double>::quiet_NaN();
+  const Object& a = scene_.objects[pair_.object_a];
+  const Object& b = scene_.objects[pair_.object_b];
+  Event event;
+  event.stamp_ns = instantAt(from.interval_start_ns, from.toi_lower).ns;
+  event.kind = from.kind;
+  event.certificate = from.certificate;
+  event.reason = from.reason;
+  if (context.doubt != impact::Reason::kNone && from.certificate != impact::Certificate::kUncertified) {
+    event.certificate = impact::Certificate::kUncertified;
+    event.reason = context.doubt;
+  }
+  event.interval_start_ns = from.interval_start_ns;
+  event.interval_end_ns = from.interval_end_ns;
+  event.toi_lower = from.toi_lower;
+  event.toi_upper = from.toi_upper;
+  event.position = from.position;
+  event.position_error = from.position_error;
+  event.multiple = from.multiple;
+  event.normal = from.normal;
+  event.normal_error = from.normal_error;
+  event.relative_velocity = from.relative_velocity;
+  event.closing_speed = from.closing_speed;
+  event.model_toi_lower = event.model_toi_upper = event.model_position_error = kNotAsked;
+  // A link moves on while the bracket lasts: in its frame the ball grows by as much.
+  const double width = from.toi_upper - from.toi_lower;
+  event.a = makeSide(a, a.links[pair_.link_a], from.a, from.position,
+                     from.position_error + width * context.speed_a);
+  event.b = makeSide(b, b.links[pair_.link_b], from.b, from.position,
+                     from.position_error + width * context.speed_b);
+  return event;
+}
+
+/// A POSSIBLE impact is published alone: it neither opens a contact nor ends one.
+std::shared_ptr<ContactNumber> PairWatch::contactOf(const impact::PairEvent& event) {
+  if (event.kind == impact::Kind::kSeparation) {
+    if (contact_) return std::exchange(contact_, nullptr);
+    return std::make_shared<ContactNumber>();
+  }
+  auto opened = std::make_shared<ContactNumber>();
+  if (event.certificate != impact::Certificate::kPossible) contact_ = opened;
+  return opened;
+}
+
+}  // namespace collision_node::scene

@@ -1,0 +1,64 @@
+/// One watched pair of links: its method, what is known of it, and its events on their way to the queue.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "collision_node/scene/event_queue.h"
+#include "collision_node/scene/pieces.h"
+#include "collision_node/scene/scene.h"
+
+namespace collision_node::scene {
+
+/// What the solving cost, since the engine began.
+struct Costs {
+  std::uint64_t node_tests = 0, subdivisions = 0, budget_met = 0;
+};
+
+class PairWatch {
+ public:
+  /// `pair` must outlive the watch, as must the scene's objects. `rank`: see EventQueue.
+  PairWatch(const Scene& scene, const LinkPair& pair, int rank, std::unique_ptr<impact::PairMethod> method);
+
+  /// Advances over a piece that follows the last one.
+  void advance(const Step& step, EventQueue& queue, Costs& costs);
+  /// Nothing is swept from here on; an open contact ends with `reason`.
+  void interrupt(impact::Reason reason, EventQueue& queue);
+  /// The end, for now: an undecided bracket is published. A contact stays open.
+  void finish(EventQueue& queue);
+  void startOver();
+
+  bool isTouching() const { return state_.phase == impact::PairState::Phase::kTouching; }
+  /// Lower end of the bracket that is still being searched.
+  std::optional<Instant> openSince() const;
+
+  /// The worst answer since clearAnswer(); without a piece since then, what the last pieces left.
+  impact::Answer worstAnswer() const;
+  void clearAnswer();
+
+  const LinkPair& pair() const { return pair_; }
+
+ private:
+  /// Why a bracket may not be certified, and how fast the two links may move while it lasts.
+  struct Context {
+    impact::Reason doubt = impact::Reason::kNone;
+    double speed_a = 0.0, speed_b = 0.0;  ///< [m/s] upper bounds over the link
+  };
+
+  Context contextOf(const Step& step) const;
+  void publish(const impact::PairEvent& event, const Context& context, EventQueue& queue);
+  Event makeEvent(const impact::PairEvent& from, const Context& context) const;
+  std::shared_ptr<ContactNumber> contactOf(const impact::PairEvent& event);
+
+  const Scene& scene_;
+  const LinkPair& pair_;
+  int rank_;
+  std::unique_ptr<impact::PairMethod> method_;
+  impact::PairState state_;
+  Context bracket_;  ///< over all pieces that an open bracket has seen
+  std::shared_ptr<ContactNumber> contact_;
+  std::optional<impact::Answer> worst_;
+  impact::Answer last_ = impact::Answer::kCulled;
+};
+
+}  // namespace collision_node::scene

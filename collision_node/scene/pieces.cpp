@@ -1,0 +1,88 @@
+#include "collision_node/scene/pieces.h"
+
+#include <algorithm>
+
+namespace collision_node::scene {
+
+namespace {
+
+using What = Reach::What;
+
+/// True when what the track does from `index` on is over by `ns`.
+bool isOver(const Reach& reach, Nanoseconds ns) {
+  return reach.what == What::kBreak || (reach.what != What::kWait && reach.until_ns <= ns);
+}
+
+/// At rest until a known end that has come: the run breaks there.
+bool breaksAt(const Reach& reach, Nanoseconds ns) {
+  return reach.what == What::kBreak || (reach.what == What::kStill && reach.until_ns <= ns);
+}
+
+motion::RigidMotion motionOf(const Track& track, std::size_t index, const Reach& reach) {
+  return reach.what == What::kMoves ? *reach.motion : track.restAt(index);
+}
+
+}  // namespace
+
+void PieceCursor::restart(const Track& a, const Track& b) {
+  *this = PieceCursor();
+  a_ = a.firstIndex();
+  b_ = b.firstIndex();
+}
+
+/// Moves both sides up to the first instant that both tracks know and go on from.
+bool PieceCursor::findStart(const Track& a, const Track& b) {
+  for (;;) {
+    if (!a.has(a_) || !b.has(b_)) return false;
+    const Nanoseconds start = std::max(a.stamp(a_), b.stamp(b_));
+    const Reach reach_a = a.reach(a_);
+    const Reach reach_b = b.reach(b_);
+    const bool a_over = isOver(reach_a, start);
+    const bool b_over = isOver(reach_b, start);
+    if (!a_over && !b_over) {
+      if (reach_a.what == What::kWait || reach_b.what == What::kWait) return false;
+      begun_ = true;
+      at_ns_ = start;
+      return true;
+    }
+    const bool a_moves = a_over && !a.isFixed() && a.has(a_ + 1);
+    const bool b_moves = b_over && !b.isFixed() && b.has(b_ + 1);
+    if (a_moves) ++a_;
+    if (b_moves) ++b_;
+    if (!a_moves && !b_moves) return false;
+  }
+}
+
+Step PieceCursor::next(const Track& a, const Track& b, Nanoseconds rest_known_ns) {
+  Step step;
+  if (!begun_ && !findStart(a, b)) return step;
+  const Reach reach_a = a.reach(a_);
+  const Reach reach_b = b.reach(b_);
+  const bool a_breaks = breaksAt(reach_a, at_ns_);
+  if (a_breaks || breaksAt(reach_b, at_ns_)) {
+    begun_ = false;
+    step.what = Step::What::kBreak;
+    step.reason = a_breaks ? reach_a.reason : reach_b.reason;
+    return step;
+  }
+  if (reach_a.what == What::kWait || reach_b.what == What::kWait) return step;
+  const Nanoseconds end = std::min(reach_a.until_ns, reach_b.until_ns);
+  if (end == std::numeric_limits<Nanoseconds>::max()) return step;
+  if ((reach_a.guess_of_rest || reach_b.guess_of_rest) && end > rest_known_ns) return step;
+
+  step.what = Step::What::kPiece;
+  step.doubt = worseDoubt(reach_a.doubt, reach_b.doubt);
+  step.piece = {at_ns_, end, motionOf(a, a_, reach_a), motionOf(b, b_, reach_b)};
+  at_ns_ = end;
+  if (reach_a.what == What::kMoves && reach_a.until_ns == end) ++a_;
+  if (reach_b.what == What::kMoves && reach_b.until_ns == end) ++b_;
+  return step;
+}
+
+void PieceCursor::skipTo(const Track& a, const Track& b, Nanoseconds ns) {
+  if (begun_) return;
+  while (!a.isFixed() && a.has(a_ + 1) && a.stamp(a_ + 1) <= ns) ++a_;
+  while (!b.isFixed() && b.has(b_ + 1) && b.stamp(b_ + 1) <= ns) ++b_;
+}
+
+}  // namespace collision_node::scene

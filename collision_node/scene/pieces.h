@@ -1,0 +1,44 @@
+/// Two tracks -> the pieces their pairs are solved on: the times between consecutive stamps of either track.
+#pragma once
+
+#include <cstddef>
+
+#include "collision_node/impact/pair_method.h"
+#include "collision_node/scene/track.h"
+
+namespace collision_node::scene {
+
+/// What comes next for a pair of tracks.
+struct Step {
+  enum class What : std::uint8_t { kWait, kPiece, kBreak } what = What::kWait;
+  impact::Piece piece;  ///< kPiece; adjoins the piece before, or is the first after a kBreak
+  impact::Reason doubt = impact::Reason::kNone;   ///< kPiece: why events on it may not be certified
+  impact::Reason reason = impact::Reason::kNone;  ///< kBreak: nothing is swept from the last piece on
+};
+
+/// Walks two tracks at once. The pieces do not depend on when the poses arrived, only on which were released.
+class PieceCursor {
+ public:
+  /// Starts over at the tracks' first samples of the scene's epoch.
+  void restart(const Track& a, const Track& b);
+
+  /// The next step, or kWait when it is not known yet. A frozen object's rest is known up to `rest_known_ns`.
+  Step next(const Track& a, const Track& b, Nanoseconds rest_known_ns);
+
+  /// Lets go of samples that end by `ns`, while the pair shares no time: whoever joins later joins after
+  /// `ns`.
+  void skipTo(const Track& a, const Track& b, Nanoseconds ns);
+
+  /// The oldest samples still needed.
+  std::size_t indexA() const { return a_; }
+  std::size_t indexB() const { return b_; }
+
+ private:
+  bool findStart(const Track& a, const Track& b);
+
+  std::size_t a_ = 0, b_ = 0;  ///< the samples at or before at_ns_
+  bool begun_ = false;
+  Nanoseconds at_ns_ = 0;
+};
+
+}  // namespace collision_node::scene

@@ -1,0 +1,49 @@
+#include "collision_node/scene/scene_tracks.h"
+
+#include <stdexcept>
+#include <string>
+
+namespace collision_node::scene {
+
+namespace {
+
+void check(const Scene& scene) {
+  const TimeOptions& time = scene.time;
+  if (time.timeout < time.max_gap + time.reorder)
+    throw std::invalid_argument(
+        scene.file + ": time/timeout is " + std::to_string(time.timeout) +
+        " s; it must be at least max_gap + reorder = " + std::to_string(time.max_gap + time.reorder) + " s");
+  if (!(scene.stats_period > 0.0))
+    throw std::invalid_argument(scene.file + ": stats/period is " + std::to_string(scene.stats_period) +
+                                " s; it must be positive");
+  for (const Object& object : scene.objects)
+    if (object.links_move)
+      throw std::invalid_argument(
+          scene.file + ": objects/" + object.name +
+          "/pose/links: links that move by themselves are not supported; name each moving "
+          "link as an object of its own");
+}
+
+Track makeTrack(const Object& object, const TimeOptions& time) {
+  if (object.source.type == PoseSource::Type::kFixed) return Track(object.source.fixed);
+  TrackOptions options;
+  options.motion = object.motion;
+  options.on_timeout = object.on_timeout;
+  options.max_speed = object.max_speed;
+  options.max_spin = object.max_spin;
+  options.reorder_ns = toNanoseconds(time.reorder);
+  options.max_gap_ns = toNanoseconds(time.max_gap);
+  options.jump_ns = toNanoseconds(time.jump);
+  return Track(options);
+}
+
+}  // namespace
+
+std::vector<Track> makeTracks(const Scene& scene) {
+  check(scene);
+  std::vector<Track> tracks;
+  for (const Object& object : scene.objects) tracks.push_back(makeTrack(object, scene.time));
+  return tracks;
+}
+
+}  // namespace collision_node::scene

@@ -1,0 +1,24 @@
+/// Two consecutive poses of a track and the motion between them, as the object's motion model says.
+#pragma once
+
+#include "collision_node/impact/pair_method.h"
+#include "collision_node/motion/rigid_motion.h"
+#include "collision_node/scene/scene.h"
+
+namespace collision_node::scene {
+
+/// A motion, and why events on it may not be certified (kNone: they may).
+struct Segment {
+  motion::RigidMotion motion;
+  impact::Reason doubt = impact::Reason::kNone;
+};
+
+/// Requires from.stamp_ns < to.stamp_ns. The doubt is ALIAS when the twists contradict the model: more than
+/// half a turn between two poses (slerp, hermite), more than a quarter turn of disagreement (spin), or no
+/// twist where the model needs one (hermite, spin: slerp is taken instead).
+Segment makeSegment(MotionModel model, const motion::StampedPose& from, const motion::StampedPose& to);
+
+/// The doubt that wins when several hold: guessed stamps, then alias, then timeout.
+impact::Reason worseDoubt(impact::Reason a, impact::Reason b);
+
+}  // namespace collision_node::scene

@@ -1,0 +1,21 @@
+/// The counts of a heartbeat.
+#pragma once
+
+#include <vector>
+
+#include "collision_node/scene/engine.h"
+#include "collision_node/scene/pair_watch.h"
+#include "collision_node/scene/time_line.h"
+
+namespace collision_node::scene {
+
+/// True when the track's object is known to be somewhere right now: "clear" may speak of it.
+bool isCovered(const Track& track);
+
+/// Puts every watched pair into exactly one bin by its worst answer, or among the uncovered.
+void countPairs(const std::vector<PairWatch>& watches, const TimeLine& time_line, Stats& stats);
+
+/// Sums up what became of the poses, and names the objects that are not covered.
+void countInputs(const Scene& scene, const TimeLine& time_line, Stats& stats);
+
+}  // namespace collision_node::scene

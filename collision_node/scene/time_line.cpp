@@ -1,0 +1,158 @@
+#include "collision_node/scene/time_line.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace collision_node::scene {
+
+TimeLine::TimeLine(std::vector<Track> tracks, Nanoseconds timeout_ns)
+    : tracks_(std::move(tracks)), timeout_ns_(timeout_ns), is_changed_(tracks_.size(), 1) {
+  for (const Track& track : tracks_) status_.push_back(track.status());
+  startOver();
+}
+
+// ---- in
+
+void TimeLine::add(int track, const motion::StampedPose& pose, bool guessed) {
+  tracks_[track].add(pose, guessed, watermark_);
+  note(track);
+  checkTimeouts();
+  updateWatermark();
+}
+
+void TimeLine::clockWentBack() {
+  const bool has_poses = std::any_of(tracks_.begin(), tracks_.end(), [](const Track& track) {
+    return track.status() == Track::Status::kLive || track.lastReleased();
+  });
+  if (!has_poses) return;  // nothing to go back from
+  const std::uint32_t target = hasLaterEpoch() ? latest_epoch_ : epoch_ + 1;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    tracks_[i].clockWentBack(target);
+    note(static_cast<int>(i));
+  }
+  checkTimeouts();
+  updateWatermark();
+}
+
+void TimeLine::releaseAll() {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    tracks_[i].releaseAll();
+    if (tracks_[i].status() == Track::Status::kWaiting) tracks_[i].giveUpWaiting();
+    note(static_cast<int>(i));
+  }
+  checkTimeouts();
+  updateWatermark();
+}
+
+/// Takes over what one track has just learnt.
+void TimeLine::note(int index) {
+  const Track& track = tracks_[index];
+  is_changed_[index] = 1;
+  latest_epoch_ = std::max(latest_epoch_, track.epoch());
+  if (track.firstReleased() && (!first_ || *track.firstReleased() < *first_)) first_ = track.firstReleased();
+  if (track.lastReleased() && (!newest_ || *track.lastReleased() > *newest_)) newest_ = track.lastReleased();
+  const Track::Status status = track.status();
+  if (status == Track::Status::kLive) next_check_ns_ = std::min(next_check_ns_, track.newest() + timeout_ns_);
+  if (status_[index] != status || index == holder_) holder_ = -1;
+  status_[index] = status;
+}
+
+void TimeLine::checkTimeouts() {
+  if (!newest_ || *newest_ <= next_check_ns_) return;
+  const Nanoseconds now = *newest_;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const Track::Status status = tracks_[i].status();
+    if (status == Track::Status::kLive && now - tracks_[i].newest() > timeout_ns_) {
+      tracks_[i].timeOut();
+      note(static_cast<int>(i));
+    } else if (status == Track::Status::kWaiting && now - *first_ > timeout_ns_) {
+      tracks_[i].giveUpWaiting();
+      note(static_cast<int>(i));
+    }
+  }
+  next_check_ns_ = std::numeric_limits<Nanoseconds>::max();
+  for (const Track& track : tracks_) {
+    if (track.status() == Track::Status::kLive)
+      next_check_ns_ = std::min(next_check_ns_, track.newest() + timeout_ns_);
+    if (track.status() == Track::Status::kWaiting)
+      next_check_ns_ = std::min(next_check_ns_, *first_ + timeout_ns_);
+  }
+}
+
+void TimeLine::updateWatermark() {
+  if (holder_ >= 0) return;
+  std::optional<Nanoseconds> smallest;
+  int holder = -1;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const Track::Status status = tracks_[i].status();
+    if (status == Track::Status::kWaiting) return;
+    if (status != Track::Status::kLive) continue;
+    const std::optional<Nanoseconds> frontier = tracks_[i].frontier();
+    if (!frontier) return;
+    if (!smallest || *frontier < *smallest) {
+      smallest = frontier;
+      holder = static_cast<int>(i);
+    }
+  }
+  if (!smallest) return;
+  holder_ = holder;
+  watermark_ = watermark_ ? std::max(*watermark_, *smallest) : *smallest;
+}
+
+// ---- epochs
+
+bool TimeLine::epochIsOver() const {
+  if (!hasLaterEpoch()) return false;
+  bool anyone_here = false;
+  for (const Track& track : tracks_) {
+    if (track.status() == Track::Status::kLive) anyone_here = true;
+    if (track.lead() > timeout_ns_) return true;
+  }
+  return !anyone_here;
+}
+
+void TimeLine::closeEpoch() {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (tracks_[i].epoch() == epoch_)
+      tracks_[i].close(0);  // releases what is left: the end is known only then
+    note(static_cast<int>(i));
+  }
+  for (Track& track : tracks_) track.close(newest_.value_or(0));
+}
+
+void TimeLine::nextEpoch() {
+  std::uint32_t next = std::numeric_limits<std::uint32_t>::max();
+  for (const Track& track : tracks_)
+    if (track.epoch() > epoch_) next = std::min(next, track.epoch());
+  epoch_ = hasLaterEpoch() ? next : epoch_ + 1;
+  for (Track& track : tracks_) track.beginEpoch(epoch_);
+  startOver();
+}
+
+void TimeLine::forget() {
+  epoch_ = latest_epoch_ + 1;
+  for (Track& track : tracks_) track.forget(epoch_);
+  startOver();
+}
+
+void TimeLine::startOver() {
+  latest_epoch_ = std::max(latest_epoch_, epoch_);
+  watermark_.reset();
+  first_.reset();
+  newest_.reset();
+  holder_ = -1;
+  next_check_ns_ = std::numeric_limits<Nanoseconds>::min();  // look at once
+  for (std::size_t i = 0; i < tracks_.size(); ++i) note(static_cast<int>(i));
+  checkTimeouts();
+  updateWatermark();
+}
+
+std::vector<int> TimeLine::takeChanged() {
+  std::vector<int> changed;
+  for (std::size_t i = 0; i < is_changed_.size(); ++i)
+    if (std::exchange(is_changed_[i], 0) != 0) changed.push_back(static_cast<int>(i));
+  return changed;
+}
+
+}  // namespace collision_node::scene

@@ -1,0 +1,70 @@
+/// All tracks of a scene on one axis of data time: epochs, who is live, and the watermark.
+///
+/// The scene goes through (epoch, stamp) in lexicographic order. No clock is read: time is what the poses
+/// say.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "collision_node/scene/track.h"
+
+namespace collision_node::scene {
+
+class TimeLine {
+ public:
+  /// `timeout_ns`: how far a track may lag behind the newest released stamp before it is dropped or frozen,
+  /// and how long a first pose is waited for.
+  TimeLine(std::vector<Track> tracks, Nanoseconds timeout_ns);
+
+  // ---- in
+
+  void add(int track, const motion::StampedPose& pose, bool guessed);
+  void clockWentBack();
+  /// The end: releases everything delivered and waits for nobody. More poses may follow.
+  void releaseAll();
+
+  // ---- epochs
+
+  std::uint32_t epoch() const { return epoch_; }
+  /// Tracks have gone back in time, and nobody still speaks of the epoch (or has for too long).
+  bool epochIsOver() const;
+  bool hasLaterEpoch() const { return latest_epoch_ > epoch_; }
+  /// Ends every run of the epoch; the pieces up to here can be walked to their end.
+  void closeEpoch();
+  /// After closeEpoch(): goes on with the next epoch that has poses.
+  void nextEpoch();
+  /// After closeEpoch(): forgets all poses; a new epoch begins with nothing.
+  void forget();
+
+  // ---- what is known of the epoch
+
+  /// No pose older than this will be released any more: the smallest last released stamp over live moving
+  /// tracks. Unset while a first pose is waited for. Never goes back within an epoch.
+  std::optional<Nanoseconds> watermark() const { return watermark_; }
+  std::optional<Nanoseconds> firstReleased() const { return first_; }
+  std::optional<Nanoseconds> newestReleased() const { return newest_; }
+  const std::vector<Track>& tracks() const { return tracks_; }
+  /// Tracks that have released something or changed their status since the last call, ascending.
+  std::vector<int> takeChanged();
+  /// Forgets a track's samples before `index`.
+  void dropBefore(int track, std::size_t index) { tracks_[track].dropBefore(index); }
+
+ private:
+  void note(int track);
+  void checkTimeouts();
+  void updateWatermark();
+  void startOver();
+
+  std::vector<Track> tracks_;
+  Nanoseconds timeout_ns_;
+  std::uint32_t epoch_ = 0, latest_epoch_ = 0;
+  std::optional<Nanoseconds> watermark_, first_, newest_;
+  Nanoseconds next_check_ns_;  ///< no track can have timed out before the newest stamp passes this
+  int holder_ = -1;            ///< the track that holds the watermark back; -1: must be looked for
+  std::vector<Track::Status> status_;
+  std::vector<char> is_changed_;
+};
+
+}  // namespace collision_node::scene

@@ -1,0 +1,313 @@
+#include "collision_node/scene/track.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+namespace collision_node::scene {
+
+namespace {
+
+constexpr Nanoseconds kForEver = std::numeric_limits<Nanoseconds>::max();
+/// Stamps beyond this are no times (146 years), and their differences might overflow.
+constexpr Nanoseconds kLargestStamp = kForEver / 2;
+
+bool isTeleport(const TrackOptions& options, const motion::StampedPose& from, const motion::StampedPose& to,
+                const motion::RigidMotion& motion) {
+  const double h = motion::secondsBetween(from.stamp_ns, to.stamp_ns);
+  return (to.pose.position - from.pose.position).norm() > options.max_speed * h ||
+         motion.omega.norm() > options.max_spin;
+}
+
+}  // namespace
+
+Track::Track(const Pose& pose) : fixed_(true) {
+  Sample sample;
+  sample.pose.pose = pose;
+  sample.segment.motion = motion::fixedAt(pose);
+  samples_.push_back(sample);
+}
+
+// ---- in
+
+void Track::add(motion::StampedPose pose, bool guessed, std::optional<Nanoseconds> floor) {
+  const bool is_time = pose.stamp_ns >= -kLargestStamp && pose.stamp_ns <= kLargestStamp;
+  if (!is_time || motion::checkAndNormalise(pose) != motion::PoseFault::kNone) {
+    ++counts_.rejected;
+    return;
+  }
+  if (held_ && held_->pose.stamp_ns == pose.stamp_ns) {
+    ++counts_.duplicate;
+    return;
+  }
+  if (held_) resolveHeld(pose);
+  place({pose, guessed}, floor);
+}
+
+/// The pose after a held one tells what the held one was: the beginning of a new epoch, or a straggler.
+void Track::resolveHeld(const motion::StampedPose& next) {
+  const Arrival held = *std::exchange(held_, std::nullopt);
+  const bool may_be_stale = std::exchange(held_may_be_stale_, false);
+  if (next.stamp_ns < held.pose.stamp_ns) {
+    ++counts_.late;
+  } else if (may_be_stale) {
+    insert(held);
+  } else if (last_released_ && next.stamp_ns <= *last_released_) {
+    enterEpoch(epoch_ + 1);
+    went_back_ = true;
+    insert(held);
+  } else {
+    ++counts_.late;
+  }
+}
+
+void Track::place(const Arrival& arrival, std::optional<Nanoseconds> floor) {
+  const Nanoseconds stamp = arrival.pose.stamp_ns;
+  if (isEmpty() && stale_from_) {
+    const bool may_be_stale = stamp >= *stale_from_;
+    stale_from_.reset();
+    if (may_be_stale) {
+      held_ = arrival;
+      held_may_be_stale_ = true;
+      return;
+    }
+  }
+  if (pending_.count(stamp) != 0 || (last_released_ && stamp == *last_released_)) {
+    ++counts_.duplicate;
+    return;
+  }
+  const bool is_back = last_released_ ? stamp < *last_released_ : !pending_.empty() && stamp < newest_;
+  const Nanoseconds back_by = is_back ? (last_released_ ? *last_released_ : newest_) - stamp : 0;
+  if (back_by > options_.jump_ns) {
+    enterEpoch(epoch_ + 1);
+    went_back_ = true;
+  } else if (last_released_ && is_back) {
+    held_ = arrival;
+    return;
+  }
+  if (epoch_ == scene_epoch_) {
+    // A track that joins late (first pose, or back from silence) must not speak of what is decided.
+    if (pending_.empty() && (!last_released_ || isBroken())) floor_ = floor;
+    if (floor_ && stamp < *floor_) {
+      ++counts_.late;
+      return;
+    }
+  }
+  insert(arrival);
+}
+
+void Track::insert(const Arrival& arrival) {
+  const Nanoseconds stamp = arrival.pose.stamp_ns;
+  const bool first = isEmpty();
+  if (!first && stamp < newest_) ++counts_.reordered;
+  ++counts_.accepted;
+  newest_ = first ? stamp : std::max(newest_, stamp);
+  pending_.emplace(stamp, arrival);
+  releaseUpTo(newest_ - options_.reorder_ns);
+}
+
+void Track::releaseUpTo(Nanoseconds stamp_ns) {
+  while (!pending_.empty() && pending_.begin()->first <= stamp_ns) {
+    const Arrival next = pending_.begin()->second;
+    pending_.erase(pending_.begin());
+    release(next);
+  }
+}
+
+void Track::release(const Arrival& arrival) {
+  Sample sample;
+  sample.epoch = epoch_;
+  sample.pose = arrival.pose;
+  sample.guessed = arrival.guessed;
+  if (last_released_) {
+    const Sample& before = samples_.back();
+    if (before.after != After::kOpen) {
+      sample.join = Join::kTimeout;
+    } else if (arrival.pose.stamp_ns - *last_released_ > options_.max_gap_ns) {
+      sample.join = Join::kGap;
+    } else {
+      sample.segment = makeSegment(options_.motion, before.pose, arrival.pose);
+      const bool teleport = isTeleport(options_, before.pose, arrival.pose, sample.segment.motion);
+      sample.join = teleport ? Join::kGap : Join::kJoined;
+      if (before.guessed || arrival.guessed) sample.segment.doubt = impact::Reason::kStampGuessed;
+    }
+  } else {
+    first_released_ = arrival.pose.stamp_ns;
+  }
+  last_released_ = arrival.pose.stamp_ns;
+  floor_.reset();
+  if (epoch_ == scene_epoch_) {
+    if (!scene_first_) scene_first_ = last_released_;
+    scene_last_ = last_released_;
+  }
+  samples_.push_back(sample);
+}
+
+void Track::releaseAll() {
+  if (held_) {
+    const bool may_be_stale = std::exchange(held_may_be_stale_, false);
+    const Arrival held = *std::exchange(held_, std::nullopt);
+    if (may_be_stale) {
+      insert(held);  // nothing came to say that it was a leftover
+    } else {
+      ++counts_.late;
+    }
+  }
+  releaseUpTo(kForEver);
+}
+
+void Track::timeOut() {
+  releaseUpTo(kForEver);
+  if (last_released_)
+    samples_.back().after = options_.on_timeout == OnTimeout::kFreeze ? After::kFrozen : After::kDropped;
+}
+
+void Track::clockWentBack(std::uint32_t epoch) {
+  if (fixed_) return;
+  const bool went_back = std::exchange(went_back_, false);
+  if (went_back || epoch_ > scene_epoch_) return;
+  const bool had_poses = !isEmpty();
+  const Nanoseconds newest = newest_;
+  enterEpoch(epoch);
+  if (held_) {
+    held_may_be_stale_ = false;
+    insert(*std::exchange(held_, std::nullopt));
+  } else if (had_poses) {
+    stale_from_ = newest;
+  }
+}
+
+void Track::enterEpoch(std::uint32_t epoch) {
+  releaseUpTo(kForEver);
+  epoch_ = epoch;
+  last_released_.reset();
+  first_released_.reset();
+  floor_.reset();
+  stale_from_.reset();
+}
+
+void Track::close(Nanoseconds end_ns) {
+  if (epoch_ == scene_epoch_) releaseUpTo(kForEver);
+  closed_ns_ = end_ns;
+}
+
+void Track::beginEpoch(std::uint32_t epoch) {
+  if (!fixed_ && epoch_ < epoch) {
+    enterEpoch(epoch);
+    if (held_ && !held_may_be_stale_) insert(*std::exchange(held_, std::nullopt));
+  }
+  scene_epoch_ = epoch;
+  closed_ns_.reset();
+  given_up_ = false;
+  if (fixed_) return;
+  while (!samples_.empty() && samples_.front().epoch < epoch) {
+    samples_.pop_front();
+    ++base_;
+  }
+  scene_first_.reset();
+  scene_last_.reset();
+  for (const Sample& sample : samples_) {
+    if (sample.epoch != epoch) break;
+    if (!scene_first_) scene_first_ = sample.pose.stamp_ns;
+    scene_last_ = sample.pose.stamp_ns;
+  }
+}
+
+void Track::forget(std::uint32_t epoch) {
+  if (!fixed_) {
+    pending_.clear();
+    held_.reset();
+    held_may_be_stale_ = false;
+    went_back_ = false;
+    enterEpoch(epoch);
+    base_ += samples_.size();
+    samples_.clear();
+  }
+  beginEpoch(epoch);
+}
+
+// ---- out
+
+Track::Status Track::status() const {
+  if (fixed_) return Status::kFixed;
+  if (epoch_ > scene_epoch_) return Status::kLeft;
+  if (isEmpty()) return given_up_ ? Status::kUncovered : Status::kWaiting;
+  return pending_.empty() && isBroken() ? Status::kTimedOut : Status::kLive;
+}
+
+std::optional<Nanoseconds> Track::frontier() const {
+  if (!last_released_ || isBroken()) return floor_;
+  return last_released_;
+}
+
+Nanoseconds Track::lead() const {
+  return epoch_ > scene_epoch_ && last_released_ ? *last_released_ - *first_released_ : 0;
+}
+
+bool Track::has(std::size_t index) const {
+  if (fixed_) return true;
+  return index >= base_ && index < base_ + samples_.size() && sample(index).epoch == scene_epoch_;
+}
+
+Nanoseconds Track::stamp(std::size_t index) const {
+  return fixed_ ? std::numeric_limits<Nanoseconds>::min() : sample(index).pose.stamp_ns;
+}
+
+Reach Track::reach(std::size_t index) const {
+  Reach reach;
+  if (fixed_) {
+    reach.what = Reach::What::kStill;
+    reach.until_ns = closed_ns_.value_or(kForEver);
+    reach.reason = impact::Reason::kReset;
+    return reach;
+  }
+  const Sample& here = sample(index);
+  const bool has_next = has(index + 1);
+  if (has_next && sample(index + 1).join == Join::kJoined) {
+    const Sample& next = sample(index + 1);
+    reach.what = Reach::What::kMoves;
+    reach.until_ns = next.pose.stamp_ns;
+    reach.motion = &next.segment.motion;
+    reach.doubt = next.segment.doubt;
+    return reach;
+  }
+  const bool ended = closed_ns_ || epoch_ > scene_epoch_;
+  if (here.after == After::kFrozen) {
+    reach.what = Reach::What::kStill;
+    reach.doubt = impact::Reason::kTimeout;
+    reach.reason = has_next ? impact::Reason::kTimeout : impact::Reason::kReset;
+    if (has_next) {
+      reach.until_ns = stamp(index + 1);
+    } else if (closed_ns_) {
+      reach.until_ns = std::max(*closed_ns_, here.pose.stamp_ns);
+    } else {
+      reach.guess_of_rest = true;
+    }
+  } else if (here.after == After::kDropped) {
+    reach.what = Reach::What::kBreak;
+    reach.reason = impact::Reason::kTimeout;
+  } else if (has_next) {
+    reach.what = Reach::What::kBreak;
+    reach.reason = impact::Reason::kGap;
+  } else if (ended) {
+    reach.what = Reach::What::kBreak;
+    reach.reason = impact::Reason::kReset;
+  }
+  return reach;
+}
+
+motion::RigidMotion Track::restAt(std::size_t index) const {
+  if (fixed_) return samples_.front().segment.motion;
+  motion::RigidMotion rest = motion::fixedAt(sample(index).pose.pose);
+  rest.start_ns = rest.end_ns = stamp(index);
+  return rest;
+}
+
+void Track::dropBefore(std::size_t index) {
+  while (!fixed_ && samples_.size() > 1 && base_ < index) {
+    samples_.pop_front();
+    ++base_;
+  }
+}
+
+}  // namespace collision_node::scene
