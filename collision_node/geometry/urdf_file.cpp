@@ -214,8 +214,11 @@ UrdfModel parseUrdf(const std::string& xml, const std::string& source, const Res
     parsed = urdf::parseURDF(xml);
     errors = log.errors();
   }
-  if (!parsed || !parsed->getRoot()) {
-    if (errors.empty()) errors.push_back("not a URDF: no <robot> with one root link");
+  // urdfdom may log an error and go on without the element (a link's shapes after a bad one, for example):
+  // what it complains about is refused, or a shape would be missing without a word.
+  const bool unusable = !parsed || !parsed->getRoot();
+  if (unusable && errors.empty()) errors.push_back("not a URDF: no <robot> with one root link");
+  if (!errors.empty()) {
     for (std::string& line : errors) line = source + ": " + line;
     throw LoadError(join(errors));
   }
