@@ -1,0 +1,251 @@
+#include "collision_node/node/collision_node.h"
+
+#include <ros/console.h>
+#include <ros/this_node.h>
+#include <std_msgs/String.h>
+
+#include <utility>
+
+#include "collision_node/messages/convert.h"
+#include "collision_node/messages/event_text.h"
+#include "collision_node/messages/resources.h"
+
+namespace collision_node::node {
+
+namespace {
+
+constexpr std::uint32_t kUnlimited = 0;
+constexpr double kDiagnosticsPeriod = 1.0;  // [s] of wall time: a paused simulation must not look dead
+
+ros::NodeHandle on(ros::CallbackQueue& queue, ros::NodeHandle handle) {
+  handle.setCallbackQueue(&queue);
+  return handle;
+}
+
+diagnostic_msgs::KeyValue keyValue(const std::string& key, const std::string& value) {
+  diagnostic_msgs::KeyValue out;
+  out.key = key;
+  out.value = value;
+  return out;
+}
+
+}  // namespace
+
+CollisionNode::CollisionNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
+    : handle_(on(queue_, handle)), private_handle_(on(queue_, private_handle)) {
+  const Parameters parameters = readParameters(private_handle_);
+  const auto scene = load(parameters);
+
+  // An event that a full queue drops is a lie by silence: no limit.
+  impacts_ = private_handle_.advertise<Impact>("impacts", kUnlimited);
+  stats_ = private_handle_.advertise<IntervalStats>("stats", 1000);
+  markers_out_ = private_handle_.advertise<visualization_msgs::MarkerArray>(
+      "markers", 1000, [this](const ros::SingleSubscriberPublisher&) { onMarkerSubscriber(); });
+  plan_ = private_handle_.advertise<std_msgs::String>("plan", 1, true);
+  diagnostics_ = handle_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 10);
+
+  start(parameters, scene);
+  services_.push_back(private_handle_.advertiseService("reset", &CollisionNode::onReset, this));
+  services_.push_back(private_handle_.advertiseService("flush", &CollisionNode::onFlush, this));
+  services_.push_back(private_handle_.advertiseService("reload_scene", &CollisionNode::onReload, this));
+  diagnostics_timer_ =
+      private_handle_.createWallTimer(ros::WallDuration(kDiagnosticsPeriod), &CollisionNode::onDiagnosticsTimer, this);
+  spinner_ = std::make_unique<ros::AsyncSpinner>(1, &queue_);
+  spinner_->start();
+}
+
+CollisionNode::~CollisionNode() {
+  if (spinner_) spinner_->stop();
+  // What has arrived but was not looked at yet belongs to the past that shutdown decides.
+  queue_.callAvailable();
+  subscribers_.clear();
+  if (engine_) engine_->flush();
+}
+
+std::shared_ptr<const scene::Scene> CollisionNode::load(const Parameters& parameters) const {
+  for (const auto& warning : parameters.warnings) ROS_WARN_STREAM(warning);
+  const ros::NodeHandle handle = handle_;
+  auto scene = scene::loadScene(parameters.scene,
+                                messages::makeResources(parameters.scene,
+                                                        [handle](const std::string& name) {
+                                                          std::string value;
+                                                          if (!handle.getParam(name, value))
+                                                            throw std::runtime_error("parameter '" +
+                                                                                     handle.resolveName(name) +
+                                                                                     "' is not set to a text");
+                                                          return value;
+                                                        }),
+                                parameters.overrides);
+  for (const auto& warning : scene->warnings) ROS_WARN_STREAM(parameters.scene << ": " << warning);
+  for (const auto& change : parameters.overrides)
+    ROS_INFO_STREAM("~override/" << change.first << ": " << change.second);
+  return scene;
+}
+
+void CollisionNode::start(const Parameters& parameters, std::shared_ptr<const scene::Scene> scene) {
+  scene::Engine::Sinks sinks;
+  sinks.event = [this](const scene::Event& event) { onEvent(event); };
+  sinks.stats = [this](const scene::Stats& stats) { onStats(stats); };
+  // All three are built before any is replaced: a scene that one of them refuses leaves the old one at work.
+  auto router = std::make_unique<messages::PoseRouter>(
+      scene, [this](const std::string& topic) { return handle_.resolveName(topic); },
+      [this](int object, const motion::StampedPose& pose) { engine_->addPose(object, pose); });
+  auto engine = std::make_unique<scene::Engine>(scene, parameters.method, sinks);
+  auto markers = std::make_unique<messages::Markers>(scene, parameters.markers);
+
+  subscribers_.clear();
+  scene_ = std::move(scene);
+  router_ = std::move(router);
+  engine_ = std::move(engine);
+  markers_ = std::move(markers);
+  last_heartbeat_ = std::chrono::steady_clock::now();
+  refused_.clear();
+  last_refusal_.clear();
+  std_msgs::String plan;
+  plan.data = scene::planText(*scene_);
+  plan_.publish(plan);
+  subscribe();
+}
+
+void CollisionNode::subscribe() {
+  for (const auto& topic : router_->topics()) {
+    ros::SubscribeOptions options;
+    options.initByFullCallbackType<const ros::MessageEvent<Raw const>&>(
+        topic, kUnlimited,
+        [this, topic](const ros::MessageEvent<Raw const>& event) { onMessage(topic, event); });
+    options.transport_hints = ros::TransportHints().tcpNoDelay();
+    subscribers_.push_back(handle_.subscribe(options));
+  }
+}
+
+void CollisionNode::onMessage(const std::string& topic, const ros::MessageEvent<Raw const>& event) {
+  watchClock();
+  const Raw& shifter = *event.getConstMessage();
+  bytes_.resize(shifter.size());
+  ros::serialization::OStream stream(bytes_.data(), static_cast<std::uint32_t>(bytes_.size()));
+  shifter.write(stream);
+  messages::RawMessage raw;
+  raw.datatype = shifter.getDataType();
+  raw.md5sum = shifter.getMD5Sum();
+  raw.data = bytes_.data();
+  raw.size = static_cast<std::uint32_t>(bytes_.size());
+  try {
+    router_->handle(topic, raw);
+  } catch (const messages::PoseError& error) {
+    ++refused_[topic];
+    last_refusal_ = error.what();
+    ROS_ERROR_STREAM_THROTTLE(5.0, last_refusal_);
+  }
+}
+
+void CollisionNode::watchClock() {
+  if (!ros::Time::isSimTime()) return;
+  const ros::Time now = ros::Time::now();
+  const bool back = now < last_clock_;
+  const double by = back ? (last_clock_ - now).toSec() : 0.0;
+  last_clock_ = now;
+  // A jump longer than `jump` shows in the stamps themselves, and there exactly at the right message: a player that loops
+  // sends the first pose of a round before the clock jumps.
+  if (back && by <= scene_->time.jump) engine_->clockWentBack();
+}
+
+void CollisionNode::onEvent(scene::Event event) {
+  event.epoch += first_epoch_;
+  epoch_ = event.epoch;
+  ++events_;
+  impacts_.publish(messages::toMessage(event, scene_->world_frame));
+  if (markers_out_.getNumSubscribers() > 0) markers_out_.publish(markers_->event(event));
+}
+
+void CollisionNode::onStats(scene::Stats stats) {
+  stats.epoch += first_epoch_;
+  epoch_ = stats.epoch;
+  const auto now = std::chrono::steady_clock::now();
+  stats.wall_time = std::chrono::duration<double>(now - last_heartbeat_).count();
+  last_heartbeat_ = now;
+  stats_.publish(messages::toMessage(stats, scene_->world_frame));
+}
+
+void CollisionNode::onMarkerSubscriber() {
+  const scene::Stats stats = engine_->stats();
+  markers_out_.publish(markers_->start(messages::toTime(stats.has_watermark ? stats.watermark_ns : 0)));
+}
+
+void CollisionNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
+  if (diagnostics_.getNumSubscribers() == 0) return;
+  using Status = diagnostic_msgs::DiagnosticStatus;
+  const scene::Stats stats = engine_->stats();
+  Status status;
+  status.name = ros::this_node::getName().substr(1) + ": impacts";
+  status.hardware_id = "none";
+  status.level = Status::OK;
+  status.message = "watching";
+  const auto raise = [&](std::uint8_t level, const std::string& message) {
+    if (level <= status.level) return;
+    status.level = level;
+    status.message = message;
+  };
+  if (!refused_.empty()) raise(Status::ERROR, last_refusal_);
+  if (!stats.uncovered_objects.empty()) raise(Status::WARN, "no poses of " + stats.uncovered_objects.front());
+  if (stats.rejected > 0) raise(Status::WARN, "poses rejected: not finite, or no unit quaternion");
+  if (stats.late > 0) raise(Status::WARN, "poses dropped: later than time.reorder allows");
+
+  const auto add = [&](const std::string& key, const std::string& value) {
+    status.values.push_back(keyValue(key, value));
+  };
+  add("scene", scene_->file);
+  add("watermark", stats.has_watermark ? messages::secondsText(stats.watermark_ns) : "none yet");
+  add("epoch", std::to_string(epoch_));
+  add("events", std::to_string(events_));
+  add("accepted", std::to_string(stats.accepted));
+  add("reordered", std::to_string(stats.reordered));
+  add("late", std::to_string(stats.late));
+  add("duplicate", std::to_string(stats.duplicate));
+  add("rejected", std::to_string(stats.rejected));
+  for (const auto& name : stats.uncovered_objects) add("uncovered", name);
+  for (const auto& entry : refused_) add("refused on " + entry.first, std::to_string(entry.second));
+
+  diagnostic_msgs::DiagnosticArray array;
+  array.header.stamp = ros::Time::now();
+  array.status.push_back(status);
+  diagnostics_.publish(array);
+}
+
+bool CollisionNode::onFlush(Trigger::Request&, Trigger::Response& response) {
+  engine_->flush();
+  response.success = 1;
+  response.message = std::to_string(events_) + " events";
+  return true;
+}
+
+bool CollisionNode::onReset(Trigger::Request&, Trigger::Response& response) {
+  engine_->reset();
+  if (markers_out_.getNumSubscribers() > 0) onMarkerSubscriber();
+  response.success = 1;
+  response.message = "reset; " + std::to_string(events_) + " events so far";
+  return true;
+}
+
+bool CollisionNode::onReload(Trigger::Request&, Trigger::Response& response) {
+  try {
+    const Parameters parameters = readParameters(private_handle_);
+    const auto scene = load(parameters);
+    engine_->flush();
+    const std::uint32_t last_epoch = epoch_;
+    start(parameters, scene);
+    first_epoch_ = epoch_ = last_epoch + 1;
+    if (markers_out_.getNumSubscribers() > 0) onMarkerSubscriber();
+    response.success = 1;
+    response.message = "loaded " + scene->file;
+  } catch (const std::runtime_error& error) {
+    response.success = 0;
+    response.message = error.what();
+  } catch (const std::invalid_argument& error) {
+    response.success = 0;
+    response.message = error.what();
+  }
+  if (response.success == 0) ROS_ERROR_STREAM("scene not reloaded, the old one goes on: " << response.message);
+  return true;
+}
+
+}  // namespace collision_node::node

@@ -1,0 +1,119 @@
+#include "collision_node/replay/options.h"
+
+#include <cmath>
+#include <cstdlib>
+
+namespace collision_node::replay {
+
+const char* const kUsage = R"(replay: finds the impacts in recorded poses; needs no master.
+
+  replay scene.yaml in.bag [more.bag ...] [options]
+  replay scene.yaml --plan
+
+  --jsonl FILE   one JSON object per event and line; "-" is standard output (then no table is printed)
+  --csv FILE     the same as CSV
+  --out FILE     a bag (lz4) with impacts, markers, stats and plan under /collision_node/, and the input poses
+  --from S       start S seconds (receive time) after the first message of the bags
+  --to S         end S seconds after the first message of the bags
+  --plan         print what the scene becomes: objects, pairs, solvers, what is left out and why
+  --method M     certified (default), paper_a or paper_b
+  --threads N    how many threads may work; the answers do not depend on it
+  --timing       measure: wall time in stats and a line at the end (the stats then differ from run to run)
+  --ns NS        namespace of the scene's relative topics (default /)
+  --help         this text
+
+Exit code: 0 done, 2 bad input, 3 some query met its budget (its event says so).
+)";
+
+namespace {
+
+double seconds(const std::string& option, const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(value) || value < 0.0)
+    throw InputError(option + " '" + text + "': must be a number of seconds >= 0 after the first message");
+  return value;
+}
+
+int count(const std::string& option, const std::string& text) {
+  char* end = nullptr;
+  const long value = std::strtol(text.c_str(), &end, 10);
+  if (text.empty() || *end != '\0' || value < 1 || value > 1024)
+    throw InputError(option + " '" + text + "': must be a whole number from 1 to 1024");
+  return static_cast<int>(value);
+}
+
+}  // namespace
+
+Options parseOptions(const std::vector<std::string>& arguments) {
+  Options out;
+  std::vector<std::string> plain;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    std::string name = arguments[i];
+    if (name.size() < 2 || name[0] != '-') {
+      plain.push_back(name);
+      continue;
+    }
+    std::optional<std::string> attached;
+    if (const auto equals = name.find('='); name.rfind("--", 0) == 0 && equals != std::string::npos) {
+      attached = name.substr(equals + 1);
+      name.erase(equals);
+    }
+    const auto value = [&]() -> std::string {
+      if (attached) return *attached;
+      if (i + 1 == arguments.size()) throw InputError(name + " needs a value; see replay --help");
+      return arguments[++i];
+    };
+    const auto flag = [&] {
+      if (attached) throw InputError(name + " takes no value, got '" + *attached + "'");
+      return true;
+    };
+    if (name == "--jsonl") {
+      out.jsonl = value();
+    } else if (name == "--csv") {
+      out.csv = value();
+    } else if (name == "--out") {
+      out.out = value();
+    } else if (name == "--from") {
+      out.from = seconds(name, value());
+    } else if (name == "--to") {
+      out.to = seconds(name, value());
+    } else if (name == "--method") {
+      try {
+        out.method = impact::parseMethod(value());
+      } catch (const std::invalid_argument& error) {
+        throw InputError(name + ": " + error.what());
+      }
+    } else if (name == "--threads") {
+      out.threads = count(name, value());
+    } else if (name == "--ns") {
+      out.name_space = value();
+    } else if (name == "--plan") {
+      out.plan = flag();
+    } else if (name == "--timing") {
+      out.timing = flag();
+    } else if (name == "--help" || name == "-h") {
+      out.help = flag();
+    } else {
+      throw InputError("unknown option " + name + "; see replay --help");
+    }
+  }
+  if (out.help) return out;
+  if (plain.empty()) throw InputError("no scene given: replay scene.yaml in.bag [options]; see replay --help");
+  out.scene = plain.front();
+  out.bags.assign(plain.begin() + 1, plain.end());
+  if (out.bags.empty() && !out.plan) throw InputError("no bag given: replay " + out.scene + " in.bag [options]");
+  if (out.from && out.to && *out.from > *out.to)
+    throw InputError("--from " + std::to_string(*out.from) + " lies after --to " + std::to_string(*out.to));
+  return out;
+}
+
+std::string resolveTopic(const std::string& name_space, const std::string& topic) {
+  if (!topic.empty() && topic.front() == '/') return topic;
+  std::string prefix = name_space;
+  if (prefix.empty() || prefix.front() != '/') prefix = "/" + prefix;
+  if (prefix.back() != '/') prefix += '/';
+  return prefix + topic;
+}
+
+}  // namespace collision_node::replay

@@ -1,0 +1,182 @@
+#include "collision_node/replay/outputs.h"
+
+#include <std_msgs/String.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "collision_node/messages/convert.h"
+#include "collision_node/messages/event_text.h"
+
+namespace collision_node::replay {
+
+namespace {
+
+namespace fs = std::filesystem;
+using messages::toMessage;
+
+const char* const kImpacts = "/collision_node/impacts";
+const char* const kMarkers = "/collision_node/markers";
+const char* const kStats = "/collision_node/stats";
+const char* const kPlan = "/collision_node/plan";
+
+/// A bag keeps `latching` only of a connection header that is whole.
+boost::shared_ptr<ros::M_string> latchedHeader(const std::string& topic) {
+  auto header = boost::make_shared<ros::M_string>();
+  (*header)["topic"] = topic;
+  (*header)["type"] = ros::message_traits::datatype<std_msgs::String>();
+  (*header)["md5sum"] = ros::message_traits::md5sum<std_msgs::String>();
+  (*header)["message_definition"] = ros::message_traits::definition<std_msgs::String>();
+  (*header)["latching"] = "1";
+  (*header)["callerid"] = "/collision_node";
+  return header;
+}
+
+std::unique_ptr<PendingFile> pending(const std::string& name, const Options& options) {
+  if (name.empty() || name == "-") return nullptr;
+  std::error_code ignored;
+  for (const auto& bag : options.bags)
+    if (fs::equivalent(bag, name, ignored)) throw InputError(name + ": is an input; results need another name");
+  return std::make_unique<PendingFile>(name);
+}
+
+void openText(std::ofstream& stream, const PendingFile* file) {
+  if (file == nullptr) return;
+  stream.open(file->path(), std::ios::binary | std::ios::trunc);
+  if (!stream) throw InputError(file->path() + ": cannot be written");
+}
+
+void finishText(std::ofstream& stream, PendingFile* file) {
+  if (file == nullptr) return;
+  stream.close();
+  if (!stream) throw InputError(file->path() + ": could not be written whole (disk full?)");
+  file->keep();
+}
+
+std::string sideText(const scene::EventSide& side) {
+  std::string out = side.object;
+  if (!side.link.empty() && side.link != side.object) out += "/" + side.link;
+  if (!side.zone.empty()) out += "[" + side.zone + (side.zone_certain ? "]" : "?]");
+  return out;
+}
+
+}  // namespace
+
+PendingFile::PendingFile(std::string name) : name_(std::move(name)), part_(name_ + ".part") {
+  std::error_code ignored;
+  if (fs::is_directory(name_, ignored)) throw InputError(name_ + ": is a folder; a file name is expected");
+  const fs::path folder = fs::path(name_).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, ignored))
+    throw InputError(name_ + ": its folder " + folder.string() + " does not exist");
+}
+
+PendingFile::~PendingFile() {
+  std::error_code ignored;
+  fs::remove(part_, ignored);
+}
+
+void PendingFile::keep() {
+  std::error_code fault;
+  fs::rename(part_, name_, fault);
+  if (fault) throw InputError(name_ + ": cannot be written (" + fault.message() + ")");
+}
+
+Outputs::Outputs(const Options& options, std::shared_ptr<const scene::Scene> scene, std::ostream& standard_output)
+    : scene_(std::move(scene)),
+      standard_output_(standard_output),
+      table_(options.jsonl != "-" && options.csv != "-"),
+      json_to_standard_output_(options.jsonl == "-"),
+      json_file_(pending(options.jsonl, options)),
+      csv_file_(pending(options.csv, options)),
+      bag_file_(pending(options.out, options)),
+      markers_(scene_) {
+  if (options.csv == "-" || options.out == "-")
+    throw InputError("--csv and --out need a file name; only --jsonl can go to standard output (-)");
+  openText(json_, json_file_.get());
+  openText(csv_, csv_file_.get());
+  if (csv_file_) csv_ << messages::csvHeader() << '\n';
+  if (bag_file_) {
+    try {
+      bag_.open(bag_file_->path(), rosbag::bagmode::Write);
+    } catch (const rosbag::BagException& error) {
+      throw InputError(bag_file_->path() + ": cannot be written (" + error.what() + ")");
+    }
+    bag_.setCompression(rosbag::compression::LZ4);
+  }
+}
+
+void Outputs::begin(const ros::Time& first_receive_time, const std::string& plan) {
+  first_ = std::max(first_receive_time, ros::TIME_MIN);
+  if (!bag_file_) return;
+  std_msgs::String text;
+  text.data = plan;
+  bag_.write(kPlan, first_, text, latchedHeader(kPlan));
+  bag_.write(kMarkers, first_, markers_.start(first_));
+}
+
+void Outputs::input(const rosbag::MessageInstance& message) {
+  if (!bag_file_) return;
+  bag_.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());
+}
+
+void Outputs::poseSeen(const ros::Time& received, motion::Nanoseconds stamp_ns) {
+  // Transport delay wobbles; only a jump of the stamps themselves (another epoch) moves the events elsewhere.
+  const auto offset = messages::toNanoseconds(received) - stamp_ns;
+  if (has_offset_ && std::abs(motion::secondsBetween(offset_ns_, offset)) <= scene_->time.jump) return;
+  offset_ns_ = offset;
+  has_offset_ = true;
+}
+
+ros::Time Outputs::receiveTime(motion::Nanoseconds stamp_ns) const {
+  return std::max(messages::toTime(stamp_ns + offset_ns_), first_);
+}
+
+void Outputs::event(const scene::Event& event) {
+  if (table_) row(event);
+  ++events_;
+  if (json_to_standard_output_) standard_output_ << messages::toJson(event, scene_->world_frame) << '\n';
+  if (json_file_) json_ << messages::toJson(event, scene_->world_frame) << '\n';
+  if (csv_file_) csv_ << messages::toCsv(event, scene_->world_frame) << '\n';
+  if (!bag_file_) return;
+  const ros::Time time = receiveTime(event.stamp_ns);
+  bag_.write(kImpacts, time, toMessage(event, scene_->world_frame));
+  bag_.write(kMarkers, time, markers_.event(event));
+}
+
+void Outputs::stats(const scene::Stats& stats) {
+  if (bag_file_) bag_.write(kStats, receiveTime(stats.stamp_ns), toMessage(stats, scene_->world_frame));
+}
+
+void Outputs::row(const scene::Event& event) {
+  char line[400];
+  if (events_ == 0) {
+    std::snprintf(line, sizeof line, "%-5s %-20s %-15s %-22s %-26s %-26s %9s  %-32s %9s %9s\n", "epoch", "time [s]",
+                  "what", "certificate", "a", "b", "width [s]", "point [m]", "ball [m]", "m/s");
+    standard_output_ << line;
+  }
+  std::string certificate = impact::toString(event.certificate);
+  if (event.reason != impact::Reason::kNone) certificate += std::string(" ") + impact::toString(event.reason);
+  char point[64];
+  std::snprintf(point, sizeof point, "%.4f %.4f %.4f", event.position.x(), event.position.y(), event.position.z());
+  std::snprintf(line, sizeof line, "%-5u %-20s %-15s %-22s %-26s %-26s %9.2g  %-32s %9.2g %9.1f\n", event.epoch,
+                messages::secondsText(event.stamp_ns).c_str(), impact::toString(event.kind), certificate.c_str(),
+                sideText(event.a).c_str(), sideText(event.b).c_str(), event.toi_upper - event.toi_lower, point,
+                event.position_error, event.closing_speed);
+  standard_output_ << line;
+}
+
+void Outputs::end() {
+  finishText(json_, json_file_.get());
+  finishText(csv_, csv_file_.get());
+  if (!bag_file_) return;
+  try {
+    bag_.close();
+  } catch (const rosbag::BagException& error) {
+    throw InputError(bag_file_->path() + ": could not be written whole (" + error.what() + ")");
+  }
+  bag_file_->keep();
+}
+
+}  // namespace collision_node::replay

@@ -1,0 +1,68 @@
+/// Where a replay's results go. Every file is written beside its name and renamed when it is whole.
+#pragma once
+
+#include <rosbag/bag.h>
+
+#include <fstream>
+#include <memory>
+#include <ostream>
+#include <string>
+
+#include "collision_node/messages/markers.h"
+#include "collision_node/replay/options.h"
+#include "collision_node/scene/engine.h"
+
+namespace collision_node::replay {
+
+/// A text or bag file that appears under its name only when keep() is called; else it leaves no trace.
+class PendingFile {
+ public:
+  explicit PendingFile(std::string name);
+  ~PendingFile();
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+  const std::string& path() const { return part_; }
+  /// Throws InputError when the file cannot get its name.
+  void keep();
+
+ private:
+  std::string name_, part_;
+};
+
+/// The table, JSON lines, CSV and the result bag, as `options` asks.
+class Outputs {
+ public:
+  /// Throws InputError: a file that cannot be written, or that is one of the inputs.
+  Outputs(const Options& options, std::shared_ptr<const scene::Scene> scene, std::ostream& standard_output);
+
+  /// The head of the result bag: plan (latched), cleared markers, fixed objects.
+  void begin(const ros::Time& first_receive_time, const std::string& plan);
+  /// Copies an input message into the result bag. `stamp_ns`: of a pose in it, if it has one; keeps the distance
+  /// between stamps and receive times, by which events are placed among the inputs.
+  void input(const rosbag::MessageInstance& message);
+  void poseSeen(const ros::Time& received, motion::Nanoseconds stamp_ns);
+  void event(const scene::Event& event);
+  void stats(const scene::Stats& stats);
+  /// Finishes and names all files. Throws InputError when one cannot be written whole.
+  void end();
+
+  std::uint64_t events() const { return events_; }
+
+ private:
+  ros::Time receiveTime(motion::Nanoseconds stamp_ns) const;
+  void row(const scene::Event& event);
+
+  std::shared_ptr<const scene::Scene> scene_;
+  std::ostream& standard_output_;
+  bool table_ = true, json_to_standard_output_ = false;
+  std::unique_ptr<PendingFile> json_file_, csv_file_, bag_file_;
+  std::ofstream json_, csv_;
+  rosbag::Bag bag_;
+  messages::Markers markers_;
+  ros::Time first_;
+  motion::Nanoseconds offset_ns_ = 0;  // receive time minus stamp
+  bool has_offset_ = false;
+  std::uint64_t events_ = 0;
+};
+
+}  // namespace collision_node::replay

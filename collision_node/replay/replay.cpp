@@ -1,0 +1,144 @@
+#include "collision_node/replay/replay.h"
+
+#include <chrono>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "collision_node/messages/convert.h"
+#include "collision_node/messages/event_text.h"
+#include "collision_node/messages/pose_router.h"
+#include "collision_node/messages/resources.h"
+#include "collision_node/replay/bag_input.h"
+#include "collision_node/replay/outputs.h"
+#include "collision_node/replay/progress.h"
+
+namespace collision_node::replay {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::shared_ptr<const scene::Scene> load(const Options& options, std::ostream& err) {
+  try {
+    auto loaded = scene::loadScene(options.scene, messages::makeResources(options.scene));
+    for (const auto& warning : loaded->warnings) err << "warning: " << warning << '\n';
+    return loaded;
+  } catch (const scene::SceneError& error) {
+    throw InputError(error.what());
+  }
+}
+
+void printSummary(std::ostream& out, std::uint64_t events, const scene::Stats& stats) {
+  out << events << (events == 1 ? " event" : " events");
+  if (stats.has_watermark) out << "; decided up to " << messages::secondsText(stats.watermark_ns) << " s";
+  out << "\nposes: " << stats.accepted << " accepted, " << stats.reordered << " of them reordered; dropped: "
+      << stats.late << " late, " << stats.duplicate << " duplicate, " << stats.rejected << " rejected\n";
+  if (stats.uncovered_objects.empty()) return;
+  out << "uncovered (no poses; nothing is said about them):";
+  for (const auto& name : stats.uncovered_objects) out << ' ' << name;
+  out << '\n';
+}
+
+/// Everything between loaded scene and named files.
+class Run {
+ public:
+  Run(const Options& options, std::shared_ptr<const scene::Scene> scene, std::ostream& out, std::ostream& err)
+      : options_(options),
+        scene_(std::move(scene)),
+        out_(out),
+        err_(err),
+        input_(options.bags),
+        router_(
+            scene_, [&](const std::string& topic) { return resolveTopic(options_.name_space, topic); },
+            [this](int object, const motion::StampedPose& pose) {
+              outputs_->poseSeen(now_, pose.stamp_ns);
+              engine_->addPose(object, pose);
+            }) {
+    input_.check(router_, *scene_);
+    outputs_ = std::make_unique<Outputs>(options, scene_, out);
+    scene::Engine::Sinks sinks;
+    sinks.event = [this](const scene::Event& event) {
+      budget_met_ = budget_met_ || event.reason == impact::Reason::kBudget;
+      outputs_->event(event);
+    };
+    sinks.stats = [this](const scene::Stats& stats) { heartbeat(stats); };
+    engine_ = std::make_unique<scene::Engine>(scene_, options.method, sinks);
+  }
+
+  int run(const std::string& plan, bool show_progress) {
+    const auto start = Clock::now();
+    outputs_->begin(input_.begin(), plan);
+    Progress progress(err_, show_progress, input_.begin(), input_.end());
+    const auto summary = input_.forEach(router_.topics(), options_.from, options_.to,
+                                        [&](const rosbag::MessageInstance& m, const messages::RawMessage& raw) {
+                                          now_ = m.getTime();
+                                          progress.at(now_);
+                                          outputs_->input(m);
+                                          router_.handle(m.getTopic(), raw);
+                                        });
+    engine_->flush();
+    progress.finish();
+    const scene::Stats last = engine_->stats();
+    heartbeat(last);
+    outputs_->end();
+    if (options_.jsonl != "-") printSummary(out_, outputs_->events(), last);
+    if (options_.timing)
+      err_ << summary.messages << " messages in "
+           << std::chrono::duration<double>(Clock::now() - start).count() << " s\n";
+    if (!summary.damage.empty()) {
+      err_ << summary.damage << '\n';
+      return kBadInput;
+    }
+    return budget_met_ ? kBudgetMet : kDone;
+  }
+
+ private:
+  void heartbeat(scene::Stats stats) {
+    const auto now = Clock::now();
+    stats.wall_time = options_.timing ? std::chrono::duration<double>(now - last_heartbeat_).count()
+                                      : std::numeric_limits<double>::quiet_NaN();
+    last_heartbeat_ = now;
+    budget_met_ = budget_met_ || stats.budget_met > 0;
+    outputs_->stats(stats);
+  }
+
+  const Options& options_;
+  std::shared_ptr<const scene::Scene> scene_;
+  std::ostream& out_;
+  std::ostream& err_;
+  BagInput input_;
+  messages::PoseRouter router_;
+  std::unique_ptr<Outputs> outputs_;
+  std::unique_ptr<scene::Engine> engine_;
+  ros::Time now_;
+  Clock::time_point last_heartbeat_ = Clock::now();
+  bool budget_met_ = false;
+};
+
+}  // namespace
+
+int run(const Options& options, std::ostream& out, std::ostream& err, bool progress) {
+  if (options.help) {
+    out << kUsage;
+    return kDone;
+  }
+  try {
+    const auto scene = load(options, err);
+    const std::string plan = scene::planText(*scene);
+    if (options.plan) (options.jsonl == "-" ? err : out) << plan;
+    if (options.bags.empty()) return kDone;
+    return Run(options, scene, out, err).run(plan, progress);
+  } catch (const InputError& error) {
+    err << error.what() << '\n';
+  } catch (const messages::PoseError& error) {
+    err << error.what() << '\n';
+  } catch (const std::invalid_argument& error) {  // the engine refuses what it cannot do for this scene
+    err << options.scene << ": " << error.what() << '\n';
+  } catch (const rosbag::BagException& error) {
+    err << "a bag could not be read or written: " << error.what() << '\n';
+  }
+  return kBadInput;
+}
+
+}  // namespace collision_node::replay
