@@ -43,7 +43,10 @@ bool parseReal(const std::string& text, double& value) {
 }
 
 std::string formatReal(double value) {
-  for (int digits = 1;; ++digits) {
+  // Whole numbers of up to nine digits without an exponent: 30, not 3e+01.
+  int digits = 1;
+  for (double size = std::abs(value); size >= 10.0 && size < 1e9 && digits < 9; size /= 10.0) ++digits;
+  for (;; ++digits) {
     std::ostringstream text;
     text.imbue(std::locale::classic());
     text.precision(digits);

@@ -248,6 +248,7 @@ class Plan {
     if (!tf) out_ << "  no object is driven through tf: no transforms are read\n";
     if (!topic) out_ << "  no object has a pose topic: none is subscribed\n";
     if (!zone) out_ << "  no zone: events name links only\n";
+    if (mesh && tf && topic && zone && !scene_.pairs.empty()) out_ << "  nothing: all parts are used\n";
     if (scene_.pairs.empty()) out_ << "  no pair: nothing is solved\n";
   }
 

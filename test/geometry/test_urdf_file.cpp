@@ -60,7 +60,9 @@ TEST_F(UrdfFile, LinksJointsAndOriginsFoldIntoTheRootFrame) {
   const UrdfModel model = parse(kArm);
   EXPECT_EQ(model.name, "arm");
   ASSERT_EQ(model.links.size(), 4u);
-  EXPECT_EQ(model.links[0].name, "base");
+  const char* order[] = {"base", "upper", "tool",
+                         "sensor"};  // depth first: joints shoulder, flange; then slide
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(model.links[i].name, order[i]);
   EXPECT_EQ(model.links[0].parent, "");
   const auto find = [&](const std::string& name) {
     for (const UrdfLink& link : model.links) {
