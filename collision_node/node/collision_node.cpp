@@ -141,12 +141,9 @@ void CollisionNode::onMessage(const std::string& topic, const ros::MessageEvent<
 void CollisionNode::watchClock() {
   if (!ros::Time::isSimTime()) return;
   const ros::Time now = ros::Time::now();
-  const bool back = now < last_clock_;
-  const double by = back ? (last_clock_ - now).toSec() : 0.0;
+  const bool went_back = now < last_clock_;
   last_clock_ = now;
-  // A jump longer than `jump` shows in the stamps themselves, and there exactly at the right message: a player that loops
-  // sends the first pose of a round before the clock jumps.
-  if (back && by <= scene_->time.jump) engine_->clockWentBack();
+  if (went_back) engine_->clockWentBack();
 }
 
 void CollisionNode::onEvent(scene::Event event) {

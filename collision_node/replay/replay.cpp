@@ -4,6 +4,8 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "collision_node/messages/convert.h"
 #include "collision_node/messages/event_text.h"
@@ -29,15 +31,12 @@ std::shared_ptr<const scene::Scene> load(const Options& options, std::ostream& e
   }
 }
 
-void printSummary(std::ostream& out, std::uint64_t events, const scene::Stats& stats) {
+void printSummary(std::ostream& out, std::uint64_t events, const scene::Stats& stats, const std::string& silent) {
   out << events << (events == 1 ? " event" : " events");
   if (stats.has_watermark) out << "; decided up to " << messages::secondsText(stats.watermark_ns) << " s";
   out << "\nposes: " << stats.accepted << " accepted, " << stats.reordered << " of them reordered; dropped: "
       << stats.late << " late, " << stats.duplicate << " duplicate, " << stats.rejected << " rejected\n";
-  if (stats.uncovered_objects.empty()) return;
-  out << "uncovered (no poses; nothing is said about them):";
-  for (const auto& name : stats.uncovered_objects) out << ' ' << name;
-  out << '\n';
+  if (!silent.empty()) out << "no pose at all, so nothing is said about:" << silent << '\n';
 }
 
 /// Everything between loaded scene and named files.
@@ -49,10 +48,12 @@ class Run {
         out_(out),
         err_(err),
         input_(options.bags),
+        heard_(scene_->objects.size(), false),
         router_(
             scene_, [&](const std::string& topic) { return resolveTopic(options_.name_space, topic); },
             [this](int object, const motion::StampedPose& pose) {
               outputs_->poseSeen(now_, pose.stamp_ns);
+              heard_[static_cast<std::size_t>(object)] = true;
               engine_->addPose(object, pose);
             }) {
     input_.check(router_, *scene_);
@@ -82,7 +83,7 @@ class Run {
     const scene::Stats last = engine_->stats();
     heartbeat(last);
     outputs_->end();
-    if (options_.jsonl != "-") printSummary(out_, outputs_->events(), last);
+    if (options_.jsonl != "-") printSummary(out_, outputs_->events(), last, silentObjects());
     if (options_.timing)
       err_ << summary.messages << " messages in "
            << std::chrono::duration<double>(Clock::now() - start).count() << " s\n";
@@ -94,6 +95,14 @@ class Run {
   }
 
  private:
+  std::string silentObjects() const {
+    std::string out;
+    for (std::size_t i = 0; i < heard_.size(); ++i)
+      if (!heard_[i] && scene_->objects[i].source.type != scene::PoseSource::Type::kFixed)
+        out += " " + scene_->objects[i].name;
+    return out;
+  }
+
   void heartbeat(scene::Stats stats) {
     const auto now = Clock::now();
     stats.wall_time = options_.timing ? std::chrono::duration<double>(now - last_heartbeat_).count()
@@ -108,6 +117,7 @@ class Run {
   std::ostream& out_;
   std::ostream& err_;
   BagInput input_;
+  std::vector<bool> heard_;  // by object
   messages::PoseRouter router_;
   std::unique_ptr<Outputs> outputs_;
   std::unique_ptr<scene::Engine> engine_;
