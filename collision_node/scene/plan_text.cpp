@@ -21,6 +21,20 @@ std::string formatVec3(const Vec3& v) {
   return "[" + formatReal(v.x()) + ", " + formatReal(v.y()) + ", " + formatReal(v.z()) + "]";
 }
 
+/// Six digits: what a float32 file holds, without its rounding noise.
+std::string formatBriefly(double value, int digits) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(digits);
+  text << value;
+  return text.str();
+}
+
+std::string formatBriefly(const Vec3& v) {
+  return "[" + formatBriefly(v.x(), 6) + ", " + formatBriefly(v.y(), 6) + ", " + formatBriefly(v.z(), 6) +
+         "]";
+}
+
 std::string formatPose(const Pose& pose) {
   const geo::Quat& q = pose.orientation;
   std::string text = "at " + formatVec3(pose.position) + " m";
@@ -78,13 +92,10 @@ std::string meshLine(const geo::TriangleMesh& mesh, bool is_hull) {
     text += "; " + std::to_string(report.degenerate_triangles) + " degenerate";
   if (report.duplicate_triangles > 0)
     text += "; " + std::to_string(report.duplicate_triangles) + " duplicate";
-  text += "; from " + formatVec3(report.lower) + " to " + formatVec3(report.upper) + " m";
+  text += "; from " + formatBriefly(report.lower) + " to " + formatBriefly(report.upper) + " m";
   if (report.coordinate_rounding > 0.0) {
-    std::ostringstream rounded;
-    rounded.imbue(std::locale::classic());
-    rounded.precision(2);
-    rounded << report.coordinate_rounding;
-    text += "; the file reader's float32 moved no vertex by more than " + rounded.str() + " m";
+    text += "; the file reader's float32 moved no vertex by more than " +
+            formatBriefly(report.coordinate_rounding, 2) + " m";
   }
   return text;
 }
