@@ -35,7 +35,9 @@ def off(event, truth):
 
 
 def in_ball(event, truth):
-    """Whether the true point lies in the event's ball; decided exactly."""
+    """Whether the true point lies in the event's ball; decided exactly. No ball (a paper's method): no."""
+    if event['position_error'] is None:
+        return False
     gap = [Fraction(event['position'][axis]) - Fraction(p) for axis, p in zip('xyz', truth['position'])]
     return sum(g * g for g in gap) <= Fraction(event['position_error'])**2
 

@@ -40,7 +40,8 @@ def main():
         what = '%s at %d ns' % (event['kind'], event['interval_start'])
         if event['certificate'] != 'CONFIRMED':
             faults.append('%s is %s' % (what, event['certificate']))
-        if event['toi_upper'] - event['toi_lower'] > WIDTH or not event['position_error'] <= BALL:
+        ball = event['position_error']
+        if event['toi_upper'] - event['toi_lower'] > WIDTH or ball is None or ball > BALL:
             faults.append('%s: bracket or ball is too wide' % what)
     # The comparison itself must be able to say no.
     for key, step in (('ns', 2), ('ns', -2)):
