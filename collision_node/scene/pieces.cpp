@@ -34,7 +34,7 @@ void PieceCursor::restart(const Track& a, const Track& b) {
 bool PieceCursor::findStart(const Track& a, const Track& b) {
   for (;;) {
     if (!a.has(a_) || !b.has(b_)) return false;
-    const Nanoseconds start = std::max(a.stamp(a_), b.stamp(b_));
+    const Nanoseconds start = std::max({a.stamp(a_), b.stamp(b_), at_ns_});
     const Reach reach_a = a.reach(a_);
     const Reach reach_b = b.reach(b_);
     const bool a_over = isOver(reach_a, start);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/scene/track.h"
@@ -36,9 +37,9 @@ class PieceCursor {
  private:
   bool findStart(const Track& a, const Track& b);
 
-  std::size_t a_ = 0, b_ = 0;  ///< the samples at or before at_ns_
+  std::size_t a_ = 0, b_ = 0;  ///< the samples that begin the current segments
   bool begun_ = false;
-  Nanoseconds at_ns_ = 0;
+  Nanoseconds at_ns_ = std::numeric_limits<Nanoseconds>::min();  ///< where the last piece ended
 };
 
 }  // namespace collision_node::scene
