@@ -136,7 +136,7 @@ Case makeCase(std::uint64_t seed, int index) {
     for (int i = 0; i < 34; ++i) {
       const double mid = 0.5 * (hit + miss);
       placeAt(mid);
-      (out.pair().firstTouch(0, duration, 0, 20000).found ? hit : miss) = mid;
+      (out.pair().firstTouch(0, duration, 0, 3000).found ? hit : miss) = mid;
     }
     placeAt(hit + (random.chance(0.5) ? 1 : -1) * reach * random.decade(-9, -2));
   } else {

@@ -2,8 +2,6 @@
 /// cylinders.
 #pragma once
 
-#include <vector>
-
 #include "test/oracle/flat_distance.h"
 
 namespace oracle {
@@ -86,50 +84,61 @@ struct SupportPair {
   V3 difference, a, b;
 };
 
-/// The point of the hull of `simplex` (up to 4) nearest to the origin: drops what it does not need, writes
-/// weights.
-inline V3 nearestOnSimplex(std::vector<SupportPair>& simplex, std::vector<Real>& weights) {
+/// Up to four support points and the weights of the point of their hull that is nearest to the origin.
+struct Simplex {
+  int count = 0;
+  SupportPair vertex[4];
+  Real weight[4] = {1, 0, 0, 0};
+};
+
+/// The point of the simplex's hull nearest to the origin, by trying every face; drops the vertices it does
+/// not need.
+inline V3 nearestOnSimplex(Simplex& simplex) {
   Real best = std::numeric_limits<Real>::infinity();
   V3 nearest;
-  std::vector<SupportPair> kept;
-  std::vector<Real> kept_weights;
-  const auto offer = [&](std::vector<int> ids, std::vector<Real> w) {
+  int kept[4], kept_count = 0;
+  Real kept_weight[4];
+  const auto offer = [&](int n, const int(&ids)[4], const Real(&w)[4]) {
     V3 p;
-    for (std::size_t k = 0; k < ids.size(); ++k) {
+    for (int k = 0; k < n; ++k) {
       if (!(w[k] >= 0)) return;
-      p = p + w[k] * simplex[ids[k]].difference;
+      p = p + w[k] * simplex.vertex[ids[k]].difference;
     }
     const Real d = norm(p);
     if (!(d < best)) return;
-    best = d, nearest = p, kept.clear(), kept_weights = std::move(w);
-    for (int id : ids) kept.push_back(simplex[id]);
+    best = d, nearest = p, kept_count = n;
+    std::copy(ids, ids + n, kept);
+    std::copy(w, w + n, kept_weight);
   };
-  const int n = static_cast<int>(simplex.size());
+  const int n = simplex.count;
   for (int i = 0; i < n; ++i) {
-    const V3& p = simplex[i].difference;
-    offer({i}, {1});
+    const V3& p = simplex.vertex[i].difference;
+    offer(1, {i}, {1});
     for (int j = i + 1; j < n; ++j) {
-      const V3& q = simplex[j].difference;
-      const V3 e = q - p;
+      const V3 e = simplex.vertex[j].difference - p;
       const Real u = -dot(p, e) / dot(e, e);
-      offer({i, j}, {1 - u, u});
+      offer(2, {i, j}, {1 - u, u});
       for (int k = j + 1; k < n; ++k) {
-        const V3 f = simplex[k].difference - p, normal = cross(e, f);
+        const V3 f = simplex.vertex[k].difference - p, normal = cross(e, f);
         const Real nn = dot(normal, normal);
         const Real v = dot(cross(-p, f), normal) / nn, w = dot(cross(e, -p), normal) / nn;
-        offer({i, j, k}, {1 - v - w, v, w});
+        offer(3, {i, j, k}, {1 - v - w, v, w});
       }
     }
   }
   if (n == 4) {
-    const V3 &o = simplex[0].difference, e = simplex[1].difference - o, f = simplex[2].difference - o,
-             g = simplex[3].difference - o;
+    const V3 &o = simplex.vertex[0].difference, e = simplex.vertex[1].difference - o,
+             f = simplex.vertex[2].difference - o, g = simplex.vertex[3].difference - o;
     const Real volume = dot(e, cross(f, g));
     const Real u = dot(-o, cross(f, g)) / volume, v = dot(e, cross(-o, g)) / volume,
                w = dot(e, cross(f, -o)) / volume;
-    offer({0, 1, 2, 3}, {1 - u - v - w, u, v, w});
+    offer(4, {0, 1, 2, 3}, {1 - u - v - w, u, v, w});
   }
-  simplex = std::move(kept), weights = std::move(kept_weights);
+  for (int k = 0; k < kept_count; ++k) {  // ids ascend, so nothing is overwritten before it is read
+    simplex.vertex[k] = simplex.vertex[kept[k]];
+    simplex.weight[k] = kept_weight[k];
+  }
+  simplex.count = kept_count;
   return nearest;
 }
 
@@ -137,25 +146,27 @@ inline V3 nearestOnSimplex(std::vector<SupportPair>& simplex, std::vector<Real>&
 /// from a separating plane, `upper` from two points. Gilbert's simplex descent; `scale` bounds all
 /// coordinates.
 template <class SupportA, class SupportB>
-Gap convexGap(const SupportA& support_a, const SupportB& support_b, V3 direction, Real scale) {
+Gap convexGap(const SupportA& support_a, const SupportB& support_b, V3 direction, Real scale,
+              Real loose = 0) {
   const auto support = [&](const V3& n) {
     const V3 a = support_a(n), b = support_b(-n);
     return SupportPair{a - b, a, b};
   };
   if (!(norm(direction) > 0)) direction = {1, 0, 0};
-  std::vector<SupportPair> simplex{support(-direction)};
-  std::vector<Real> weights{1};
+  Simplex simplex;
+  simplex.count = 1;
+  simplex.vertex[0] = support(-direction);
   Gap best;
   best.lower = 0;
   Real previous = std::numeric_limits<Real>::infinity();
   for (int i = 0; i < 300; ++i) {
-    const V3 v = nearestOnSimplex(simplex, weights);
+    const V3 v = nearestOnSimplex(simplex);
     const Real length = norm(v);
     if (length < best.upper) {
       best.a = best.b = V3{};
-      for (std::size_t k = 0; k < simplex.size(); ++k) {
-        best.a = best.a + weights[k] * simplex[k].a;
-        best.b = best.b + weights[k] * simplex[k].b;
+      for (int k = 0; k < simplex.count; ++k) {
+        best.a = best.a + simplex.weight[k] * simplex.vertex[k].a;
+        best.b = best.b + simplex.weight[k] * simplex.vertex[k].b;
       }
       best.upper = length;
     }
@@ -165,18 +176,19 @@ Gap convexGap(const SupportA& support_a, const SupportB& support_b, V3 direction
     }
     const SupportPair next = support(-v);
     best.lower = std::max(best.lower, dot(v, next.difference) / length - 4e-19L * scale);
-    if (best.upper - best.lower <= 1e-18L * scale || (i > 4 && !(length < previous)) || simplex.size() == 4)
+    if (best.upper - best.lower <= std::max(1e-18L * scale, loose * best.lower) ||
+        (i > 4 && !(length < previous)) || simplex.count == 4)
       break;
     previous = length;
-    simplex.push_back(next);
+    simplex.vertex[simplex.count++] = next;
   }
   return best;
 }
 
-inline Gap cylinderCylinder(const Cylinder& c, const Cylinder& d) {
+inline Gap cylinderCylinder(const Cylinder& c, const Cylinder& d, Real loose = 0) {
   const Real scale = norm(d.centre - c.centre) + c.radius + c.half + d.radius + d.half;
   return convexGap([&](const V3& n) { return supportOfCylinder(c, n); },
-                   [&](const V3& n) { return supportOfCylinder(d, n); }, c.centre - d.centre, scale);
+                   [&](const V3& n) { return supportOfCylinder(d, n); }, c.centre - d.centre, scale, loose);
 }
 
 /// Distance between the hull of 1, 2 or 3 points and a cylinder.

@@ -178,12 +178,13 @@ inline Part placed(const Part& part, const Frame& frame) {
 }
 
 /// Distance of two placed parts; the witnesses lie on the grown surfaces (on each other when they overlap).
-inline Gap partGap(const Part& a, const Part& b) {
+/// `loose` as in convexGap: two cylinders only.
+inline Gap partGap(const Part& a, const Part& b, Real loose = 0) {
   Gap gap;
   if (a.count > 0 && b.count > 0) gap = flatGap(a.vertex, a.count, b.vertex, b.count);
   if (a.count > 0 && b.count == 0) gap = flatCylinder(a.vertex, a.count, b.cylinder);
   if (a.count == 0 && b.count > 0) gap = swapped(flatCylinder(b.vertex, b.count, a.cylinder));
-  if (a.count == 0 && b.count == 0) gap = cylinderCylinder(a.cylinder, b.cylinder);
+  if (a.count == 0 && b.count == 0) gap = cylinderCylinder(a.cylinder, b.cylinder, loose);
   const Real radius = a.radius + b.radius;
   if (radius == 0) return gap;
   const V3 between = gap.b - gap.a;

@@ -41,6 +41,10 @@ class Pair {
 
   const Model& a() const { return a_; }
   const Model& b() const { return b_; }
+  /// Contact without extent in time: a point passes a surface without volume.
+  bool crossesInNoTime() const {
+    return (a_.only_points && !b_.has_volume) || (b_.only_points && !a_.has_volume);
+  }
   const Path& pathA() const { return path_a_; }
   const Path& pathB() const { return path_b_; }
   Real duration() const { return duration_; }
@@ -99,6 +103,22 @@ class Pair {
     return best;
   }
 
+  /// The gaps of all pairs of parts that are at most `limit` apart at t.
+  std::vector<NearestParts> within(Real t, Real limit) const {
+    const Frame fa = path_a_.at(t), fb = path_b_.at(t);
+    std::vector<NearestParts> out;
+    for (std::size_t i = 0; i < a_.parts.size(); ++i) {
+      const Part a = placed(a_.parts[i], fa);
+      for (std::size_t j = 0; j < b_.parts.size(); ++j) {
+        const Part b = placed(b_.parts[j], fb);
+        if (norm(b.centre - a.centre) - a.bound - b.bound > limit) continue;
+        const Gap gap = partGap(a, b);
+        if (gap.upper <= limit) out.push_back({gap, static_cast<int>(i), static_cast<int>(j), false});
+      }
+    }
+    return out;
+  }
+
   Real distance(Real t) const { return nearest(t).gap.upper; }
   bool touching(Real t) const { return distance(t) <= touchDistance(); }
 
@@ -138,7 +158,7 @@ class Pair {
       const Real spheres = norm(fb.place(b.centre) - fa.place(a.centre)) - a.bound - b.bound;
       Real free = spheres - margin;
       if (free < 0.5L * (a.bound + b.bound) || free < 1e-3L * scale_) {
-        const Gap gap = partGap(placed(a, fa), placed(b, fb));
+        const Gap gap = partGap(placed(a, fa), placed(b, fb), 0.1L);
         free = gap.lower - margin;
         if (free <= marchEnd() || (gap.upper <= 1e-12L * scale_ && free < 0.01L * gap.upper)) {
           out.found = true, out.lo = out.hi = clock.t, out.part_a = clock.i, out.part_b = clock.j;

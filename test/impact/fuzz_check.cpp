@@ -1,0 +1,438 @@
+#include "test/impact/fuzz_check.h"
+
+#include <chrono>
+#include <cstdarg>
+#include <cstdio>
+
+#include "test/impact/fuzz_shapes.h"
+
+namespace fuzz {
+
+namespace impact = collision_node::impact;
+namespace motion = collision_node::motion;
+using impact::Certificate;
+using impact::Kind;
+using impact::PairEvent;
+using oracle::Pair;
+using oracle::Real;
+using oracle::V3;
+
+namespace {
+
+constexpr std::int64_t kMarchSteps = 300000;
+
+/// The direction from a's part to b's while they are still a hair apart.
+bool approachNormal(const Pair& pair, const oracle::FirstTouch& touch, Real before, V3* normal) {
+  const Real t = touch.lo - before;
+  if (t < 0) return false;
+  const oracle::Gap gap = pair.partGapAt(touch.part_a, touch.part_b, t);
+  const V3 n = gap.b - gap.a;
+  if (!(norm(n) > 0)) return false;
+  *normal = (1 / norm(n)) * n;
+  return true;
+}
+
+Real angleBetween(const V3& a, const V3& b) { return std::atan2(norm(cross(a, b)), dot(a, b)); }
+
+void describeContact(const Pair& pair, Truth& truth) {
+  const oracle::FirstTouch& touch = truth.first;
+  const bool round = pair.a().parts[touch.part_a].count == 0 && pair.b().parts[touch.part_b].count == 0;
+  const Real before = (round ? 1e-5L : 1e-8L) * pair.scale() / std::max(pair.maxSpeed(), 1e-300L);
+  V3 earlier;
+  if (approachNormal(pair, touch, before, &truth.normal) &&
+      approachNormal(pair, touch, 10 * before, &earlier)) {
+    truth.normal_spread = 3 * angleBetween(truth.normal, earlier) + 1e-9L;
+    truth.normal_known = truth.normal_spread < 1e-3L;
+  }
+  const auto near = pair.within(touch.lo, 1e-10L * pair.scale());
+  if (near.empty()) return;
+  truth.point = 0.5L * (near[0].gap.a + near[0].gap.b);
+  Real spread = 0;
+  for (const auto& n : near) {
+    spread = std::max({spread, norm(n.gap.a - truth.point), norm(n.gap.b - truth.point)});
+  }
+  truth.point_known = spread <= 1e-9L * pair.scale();
+  const oracle::Frame fa = pair.pathA().at(touch.lo), fb = pair.pathB().at(touch.lo);
+  truth.closing_speed = -dot(fb.velocityAt(truth.point) - fa.velocityAt(truth.point), truth.normal);
+}
+
+std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
+std::string text(const char* format, ...) {
+  char buffer[400];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(buffer, sizeof buffer, format, arguments);
+  va_end(arguments);
+  return buffer;
+}
+
+}  // namespace
+
+Truth truthOf(const Case& c, const Pair& pair) {
+  Truth truth;
+  truth.budget = 1e-12L * pair.scale();
+  const Real start = pair.distance(0);
+  truth.overlaps_at_start = start == 0;
+  truth.apart_at_start = start > truth.budget;
+  if (!truth.apart_at_start) return truth;
+
+  Real smaller = std::min(pair.a().reach, pair.b().reach);
+  if (smaller == 0) smaller = pair.size();
+  const Real margin = std::max(1e-6L * smaller, 1e3L * truth.budget);
+  const oracle::FirstTouch near = pair.firstTouch(0, pair.duration(), margin, kMarchSteps);
+  truth.well_apart = !near.found && !near.gave_up;
+  if (truth.well_apart) return truth;
+  truth.first = pair.firstTouch(near.lo, pair.duration(), 0, kMarchSteps);
+  if (!truth.first.found || !truth.first.verified || truth.first.part_a < 0) return truth;
+
+  describeContact(pair, truth);
+  const Real v = truth.closing_speed;
+  if (!truth.normal_known || !(v > 0)) return truth;
+  truth.width = std::max<Real>(c.options.time_precision, 8 * truth.budget / v);
+  const bool steep = v * v >= 100 * pair.maxAcceleration() * truth.budget && v >= 1e-6L * pair.maxSpeed();
+  const bool inner = truth.first.lo > truth.width && truth.first.hi + 2 * truth.width < pair.duration();
+  const bool lasts = pair.crossesInNoTime() || (inner && pair.touching(truth.first.hi + truth.width));
+  truth.transversal = steep && inner && lasts;
+  return truth;
+}
+
+namespace {
+
+/// One run of a method on a case, and the complaints about it.
+class Examination {
+ public:
+  Examination(const Case& c, const Pair& pair, const Truth& truth)
+      : case_(c), pair_(pair), truth_(truth), random_(c.seed ^ 0x5eed, c.index) {}
+
+  void run(const impact::PairMethod& method) {
+    outcome_ = method.advance(case_.piece, state_, events_);
+    method.finish(state_, events_);
+  }
+
+  void examine() {
+    if (!wellFormed()) return;
+    start();
+    if (truth_.well_apart) farApart();
+    if (truth_.apart_at_start && !truth_.well_apart) firstContact();
+    sequence();
+  }
+
+  const std::vector<PairEvent>& events() const { return events_; }
+  const impact::PieceOutcome& outcome() const { return outcome_; }
+  const std::vector<std::string>& complaints() const { return complaints_; }
+  int gaveUp() const { return gave_up_; }
+  bool pointChecked() const { return point_checked_; }
+  bool normalChecked() const { return normal_checked_; }
+
+ private:
+  template <class... Arguments>
+  void complain(const char* format, Arguments... arguments) {
+    complaints_.push_back(text(format, arguments...));
+  }
+
+  bool wellFormed() {
+    const double end = case_.duration();
+    bool touching = false;
+    double last = 0;
+    for (const PairEvent& e : events_) {
+      const char* kind = toString(e.kind);
+      if (!(e.toi_lower >= 0 && e.toi_lower <= e.toi_upper && e.toi_upper <= end * (1 + 1e-15))) {
+        complain("%s bracket [%.17g, %.17g] is not within [0, %.17g]", kind, e.toi_lower, e.toi_upper, end);
+      }
+      if (e.interval_start_ns != case_.piece.start_ns || e.interval_end_ns != case_.piece.end_ns) {
+        complain("%s names another piece", kind);
+      }
+      if (e.toi_lower < last) complain("%s at %.17g comes after one at %.17g", kind, e.toi_lower, last);
+      last = e.toi_lower;
+      if (e.certificate == Certificate::kUncertified) complain("%s is UNCERTIFIED", kind);
+      if (e.certificate != Certificate::kConfirmed) continue;
+      if ((e.kind == Kind::kSeparation) != touching)
+        complain("%s while %s", kind, touching ? "touching" : "apart");
+      if (e.kind == Kind::kInitialOverlap && (&e != &events_.front() || e.toi_upper != 0)) {
+        complain("INITIAL_OVERLAP must come first, with times 0; toi_upper %.17g", e.toi_upper);
+      }
+      touching = e.kind != Kind::kSeparation;
+    }
+    return complaints_.empty();
+  }
+
+  void start() {
+    const bool said = !events_.empty() && events_[0].kind == Kind::kInitialOverlap;
+    if (truth_.overlaps_at_start && !(said && events_[0].certificate == Certificate::kConfirmed)) {
+      // Overlap by less than the budget may stay undecided: it lasts, or is left, within that.
+      const bool deep =
+          pair_.touching(std::min(pair_.duration(), truth_.budget / std::max(pair_.maxSpeed(), 1e-300L)));
+      if (deep && (events_.empty() || events_[0].toi_lower > 0))
+        complain("overlaps at the start, and no event says so");
+      else if (deep && !said)
+        complain("overlaps at the start, first event is %s", toString(events_[0].kind));
+    }
+    if (truth_.apart_at_start && said) {
+      complain("INITIAL_OVERLAP, but the distance at the start is %.6Lg m", pair_.distance(0));
+    }
+  }
+
+  void farApart() {
+    if (!events_.empty())
+      complain("well apart, yet %zu events, first a %s", events_.size(), toString(events_[0].kind));
+    if (outcome_.answer != impact::Answer::kClear && outcome_.answer != impact::Answer::kCulled) {
+      complain("well apart, yet the answer is %d", static_cast<int>(outcome_.answer));
+    }
+  }
+
+  void firstContact() {
+    const oracle::FirstTouch& touch = truth_.first;
+    if (touch.gave_up) {
+      ++gave_up_;
+      return;
+    }
+    if (!touch.found) {
+      for (const PairEvent& e : events_) {
+        if (e.certificate == Certificate::kConfirmed)
+          complain("%s CONFIRMED at %.17g, but they never touch", toString(e.kind), e.toi_lower);
+      }
+      return;
+    }
+    if (events_.empty()) {
+      if (touch.verified) complain("MISS: touching at [%.17Lg, %.17Lg] s, no event", touch.lo, touch.hi);
+      return;
+    }
+    const PairEvent& e = events_[0];
+    const Real slack = 1e-18L * pair_.duration() +
+                       (truth_.closing_speed > 0 ? 2 * pair_.touchDistance() / truth_.closing_speed : 0);
+    if (touch.verified && e.toi_lower > touch.hi + slack) {
+      complain("LATE: touching by %.20Lg s, toi_lower %.20Lg s", touch.hi, static_cast<Real>(e.toi_lower));
+    }
+    if (touch.verified && e.toi_upper < touch.lo - slack) {
+      complain("the first bracket ends at %.20Lg s, apart until %.20Lg s", static_cast<Real>(e.toi_upper),
+               touch.lo);
+    }
+    if (!truth_.transversal) return;
+    if (e.kind != Kind::kImpact) complain("first event is %s, wanted IMPACT", toString(e.kind));
+    if (e.certificate != Certificate::kConfirmed) {
+      complain("transversal hit at %.17Lg s (v_n %.3Lg m/s) is %s [%.17g, %.17g], reason %s", touch.lo,
+               truth_.closing_speed, toString(e.certificate), e.toi_lower, e.toi_upper, toString(e.reason));
+      return;
+    }
+    if (e.toi_upper - e.toi_lower > truth_.width * (1 + 1e-6L)) {
+      complain("bracket of %.6g s at a transversal hit, W is %.6Lg s", e.toi_upper - e.toi_lower,
+               truth_.width);
+    }
+    where(e);
+  }
+
+  void where(const PairEvent& e) {
+    const impact::Piece& piece = case_.piece;
+    const V3 origin = oracle::exact(piece.a.c[0]);
+    const V3 position = oracle::exact(e.position) - origin;
+    const Real width = e.toi_upper - e.toi_lower;
+    if (!(e.position_error >= 0 && std::isfinite(e.position_error)))
+      complain("position_error %.6g", e.position_error);
+    if (truth_.point_known && !e.multiple) {
+      point_checked_ = true;
+      const Real off = norm(position - truth_.point);
+      // The oracle's own point is as good as its bracket and the spread of its witnesses.
+      const bool round =
+          pair_.a().parts[truth_.first.part_a].count == 0 && pair_.b().parts[truth_.first.part_b].count == 0;
+      const Real own = (round ? 1e-6L : 1e-13L) * pair_.scale();
+      if (off > e.position_error + own)
+        complain("contact point off by %.6Lg m, position_error %.6g m", off, e.position_error);
+    }
+    if (!e.multiple) {
+      normal_checked_ = true;
+      const Real off = angleBetween(oracle::exact(e.normal), truth_.normal);
+      if (!(std::abs(norm(oracle::exact(e.normal)) - 1) < 1e-9L))
+        complain("normal of length %.9Lg", norm(oracle::exact(e.normal)));
+      if (!(off <= e.normal_error + truth_.normal_spread))
+        complain("normal off by %.6Lg rad, normal_error %.6g", off, e.normal_error);
+    }
+    const oracle::Frame fa = pair_.pathA().at(e.toi_lower), fb = pair_.pathB().at(e.toi_lower);
+    const V3 velocity = fb.velocityAt(position) - fa.velocityAt(position);
+    const Real spin = pair_.pathA().spin() + pair_.pathB().spin();
+    const Real tolerance =
+        1e-6L * pair_.maxSpeed() + 2 * spin * e.position_error + 2 * pair_.maxAcceleration() * width;
+    const Real off = norm(oracle::exact(e.relative_velocity) - velocity);
+    if (!(off <= tolerance)) complain("relative_velocity off by %.6Lg m/s of %.6Lg m/s", off, norm(velocity));
+    if (!(std::abs(e.closing_speed + dot(oracle::exact(e.relative_velocity), oracle::exact(e.normal))) <=
+          1e-9L * pair_.maxSpeed())) {
+      complain("closing_speed %.9g is not -(relative_velocity . normal)", e.closing_speed);
+    }
+    side("a", e.a, fa, piece.a, e, origin);
+    side("b", e.b, fb, piece.b, e, origin);
+  }
+
+  void side(const char* name, const impact::Side& s, const oracle::Frame& frame, const motion::RigidMotion& m,
+            const PairEvent& e, const V3& origin) {
+    const Real world = norm(origin) + pair_.scale();
+    const V3 pose = oracle::exact(s.pose.position) - origin;
+    if (!(norm(pose - frame.position) <= 1e-12L * pair_.scale() + 1e-15L * world)) {
+      complain("side %s: pose off by %.6Lg m", name, norm(pose - frame.position));
+    }
+    const V3 point = frame.place(oracle::exact(s.point));
+    const Real off = norm(point - (oracle::exact(e.position) - origin));
+    const Real allowed = 2 * e.position_error + pair_.maxSpeed() * (e.toi_upper - e.toi_lower) +
+                         1e-9L * pair_.scale() + 1e-15L * world;
+    if (!(off <= allowed))
+      complain("side %s: witness %.6Lg m from the position, ball %.6g m", name, off, e.position_error);
+    if (s.sample_before_ns != m.start_ns || s.sample_after_ns != m.end_ns)
+      complain("side %s: not its own two stamps", name);
+  }
+
+  /// Free where said to be free (by the march), touching where said to touch (by samples).
+  void sequence() {
+    const Real end = pair_.duration();
+    Real since = 0;  // of the current claim
+    bool touching = false;
+    for (const PairEvent& e : events_) {
+      const Real lower = e.toi_lower, upper = std::min<Real>(e.toi_upper, end);
+      if (e.kind != Kind::kInitialOverlap) touching ? touches(since, lower) : free(since, lower);
+      if (e.certificate == Certificate::kPossible)
+        possible(e);
+      else if (e.kind == Kind::kImpact)
+        impactIsReal(lower, upper);
+      else if (e.kind == Kind::kSeparation)
+        separationIsReal(lower, upper);
+      if (e.certificate == Certificate::kConfirmed) touching = e.kind != Kind::kSeparation;
+      since = std::max(since, upper);
+      if (!complaints_.empty()) return;
+    }
+    touching ? touches(since, end) : free(since, end);
+  }
+
+  void free(Real from, Real to) {
+    if (!(from < to) || (truth_.well_apart) || (from == 0 && !truth_.apart_at_start)) return;
+    if (from == 0 && truth_.first.gave_up) return;
+    // The first contact is already known.
+    const oracle::FirstTouch touch = from == 0 ? truth_.first : pair_.firstTouch(from, to, 0, kMarchSteps);
+    gave_up_ += touch.gave_up;
+    if (touch.found && touch.verified && touch.hi < to - 1e-17L * pair_.duration()) {
+      complain("said to be apart on (%.17Lg, %.17Lg) s, touching at %.17Lg s", from, to, touch.hi);
+    }
+  }
+
+  void touches(Real from, Real to) {
+    if (!(from < to)) return;
+    std::vector<Real> instants;
+    for (int i = 0; i < 16; ++i)
+      instants.push_back(from + (to - from) * (i + static_cast<Real>(random_.unit())) / 16);
+    for (Real part = 1e-9L; part < 1e-2L; part *= 100) {
+      instants.push_back(from + part * (to - from));
+      instants.push_back(to - part * (to - from));
+    }
+    if (to == pair_.duration()) instants.push_back(to);
+    for (Real t : instants) {
+      const Real d = pair_.distance(t);
+      if (!(d > 1e3L * truth_.budget)) continue;
+      // A free time shorter than W may be merged; this one is measured.
+      const oracle::FirstTouch next = pair_.firstTouch(t, to, 0, kMarchSteps);
+      const Real until = next.found || next.gave_up ? next.lo : to;
+      if (until - t + d / pair_.maxSpeed() > 4 * case_.options.time_precision) {
+        complain("said to touch on [%.17Lg, %.17Lg] s, apart by %.6Lg m at %.17Lg s, free until %.17Lg s",
+                 from, to, d, t, until);
+        return;
+      }
+    }
+  }
+
+  void impactIsReal(Real lower, Real upper) {
+    const oracle::FirstTouch touch =
+        pair_.firstTouch(lower, upper + 1e-16L * pair_.duration(), 0, kMarchSteps);
+    gave_up_ += touch.gave_up;
+    if (!touch.found && !touch.gave_up) {
+      complain("IMPACT CONFIRMED on [%.20Lg, %.20Lg] s, no contact there; distances %.3Lg and %.3Lg m", lower,
+               upper, pair_.distance(lower), pair_.distance(upper));
+    }
+  }
+
+  void separationIsReal(Real lower, Real upper) {
+    if (!pair_.crossesInNoTime() && pair_.distance(lower) > 1e-15L * pair_.scale()) {
+      complain("SEPARATION says contact at %.20Lg s, apart there by %.6Lg m", lower, pair_.distance(lower));
+    }
+    if (upper < pair_.duration() && pair_.touching(upper + 1e-16L * pair_.duration())) {
+      complain("SEPARATION says apart after %.20Lg s, they touch there", upper);
+    }
+    // Width, where the parting is as steep as a transversal hit.
+    const Real step = 1e-7L * pair_.scale() / std::max(pair_.maxSpeed(), 1e-300L);
+    if (upper + step > pair_.duration()) return;
+    const Real v = (pair_.distance(upper + step) - pair_.distance(upper)) / step;
+    const Real width = std::max<Real>(case_.options.time_precision, 8 * truth_.budget / std::max(v, 1e-300L));
+    const bool steep =
+        v > 1e-4L * pair_.maxSpeed() && v * v >= 1e4L * pair_.maxAcceleration() * truth_.budget;
+    if (steep && upper - lower > 2 * width) {
+      complain("SEPARATION bracket of %.6Lg s at a steep parting (%.3Lg m/s), W is %.6Lg s", upper - lower, v,
+               width);
+    }
+  }
+
+  /// Undecided is for what is hard to decide.
+  void possible(const PairEvent& e) {
+    const Real width = e.toi_upper - e.toi_lower;
+    if (!(width > 4 * case_.options.time_precision)) return;
+    for (int i = 1; i < 8; ++i) {
+      const Real t = e.toi_lower + width * i / 8, d = pair_.distance(t);
+      if (d > 1e-3L * pair_.size()) {
+        complain("%s POSSIBLE on [%.17g, %.17g] s, reason %s, but %.3Lg m apart at %.17Lg s",
+                 toString(e.kind), e.toi_lower, e.toi_upper, toString(e.reason), d, t);
+        return;
+      }
+    }
+  }
+
+  const Case& case_;
+  const Pair& pair_;
+  const Truth& truth_;
+  Random random_;
+  impact::PairState state_;
+  std::vector<PairEvent> events_;
+  impact::PieceOutcome outcome_;
+  std::vector<std::string> complaints_;
+  int gave_up_ = 0;
+  bool point_checked_ = false, normal_checked_ = false;
+};
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+std::vector<std::string> check(const Case& c, const impact::PairMethod& method, Tally* tally) {
+  const double t0 = seconds();
+  const Pair pair = c.pair();
+  const Truth truth = truthOf(c, pair);
+  Examination examination(c, pair, truth);
+  const double t1 = seconds();
+  examination.run(method);
+  const double t2 = seconds();
+  examination.examine();
+  if (!tally) return examination.complaints();
+
+  const auto& events = examination.events();
+  tally->oracle_seconds += t1 - t0 + seconds() - t2;
+  tally->method_seconds += t2 - t1;
+  ++tally->cases;
+  tally->touching += truth.overlaps_at_start || truth.first.found;
+  tally->initial_overlaps += truth.overlaps_at_start;
+  tally->transversal += truth.transversal;
+  tally->well_apart += truth.well_apart;
+  tally->events += static_cast<int>(events.size());
+  tally->gave_up += examination.gaveUp();
+  tally->points_checked += examination.pointChecked();
+  tally->normals_checked += examination.normalChecked();
+  tally->most_node_tests = std::max(tally->most_node_tests, examination.outcome().node_tests);
+  tally->with_possible += std::any_of(events.begin(), events.end(), [](const PairEvent& e) {
+    return e.certificate == Certificate::kPossible;
+  });
+  if (truth.transversal && !events.empty() && events[0].certificate == Certificate::kConfirmed) {
+    const PairEvent& e = events[0];
+    ++tally->confirmed_first;
+    tally->worst_width =
+        std::max(tally->worst_width, static_cast<double>((e.toi_upper - e.toi_lower) / truth.width));
+    tally->worst_early =
+        std::max(tally->worst_early, static_cast<double>((truth.first.lo - e.toi_lower) / truth.width));
+    if (examination.pointChecked()) tally->worst_ball = std::max(tally->worst_ball, e.position_error);
+  }
+  return examination.complaints();
+}
+
+}  // namespace fuzz

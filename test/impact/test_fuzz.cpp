@@ -1,0 +1,55 @@
+/// The certified solver against the oracle on random pairs. COLLISION_NODE_LONG=1 runs ten times as many,
+/// COLLISION_NODE_FUZZ_INDEX=n one, COLLISION_NODE_FUZZ_SEED=n another series.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <iostream>
+
+#include "collision_node/geometry/body.h"
+#include "test/impact/fuzz_check.h"
+
+namespace {
+
+std::uint64_t numberFrom(const char* variable, std::uint64_t otherwise) {
+  const char* value = std::getenv(variable);
+  return value ? std::strtoull(value, nullptr, 10) : otherwise;
+}
+
+TEST(Fuzz, EveryContactIsFoundAndEveryBoundHolds) {
+  const std::uint64_t seed = numberFrom("COLLISION_NODE_FUZZ_SEED", 1);
+  const bool replay = std::getenv("COLLISION_NODE_FUZZ_INDEX") != nullptr;
+  const int first = static_cast<int>(numberFrom("COLLISION_NODE_FUZZ_INDEX", 0));
+  const int count = replay ? 1 : numberFrom("COLLISION_NODE_LONG", 0) != 0 ? 20000 : 2000;
+  fuzz::Tally tally;
+  int failed = 0;
+  for (int i = first; i < first + count; ++i) {
+    const fuzz::Case c = fuzz::makeCase(seed, i);
+    if (replay) std::cout << c.describe();
+    const collision_node::geometry::Body a(c.a), b(c.b);
+    const auto method = makeCertified(a, b, c.options);
+    const std::vector<std::string> complaints = check(c, *method, &tally);
+    failed += !complaints.empty();
+    if (complaints.empty() || failed > 20) continue;
+    for (const std::string& line : complaints) ADD_FAILURE() << line << "\n" << c.describe();
+  }
+  std::cout << "seed " << seed << ", " << tally.cases << " pairs: " << tally.touching << " touch ("
+            << tally.initial_overlaps << " from the start), " << tally.transversal << " transversal, "
+            << tally.well_apart << " well apart\n"
+            << "events " << tally.events << ", transversal first contacts confirmed " << tally.confirmed_first
+            << ", cases with an undecided bracket " << tally.with_possible << ", marches given up "
+            << tally.gave_up << "\nwidest first bracket " << tally.worst_width << " W, earliest "
+            << tally.worst_early << " W, points checked " << tally.points_checked << " (largest ball "
+            << tally.worst_ball << " m), normals checked " << tally.normals_checked << "\nmost node tests "
+            << tally.most_node_tests << "; oracle " << tally.oracle_seconds << " s, method "
+            << tally.method_seconds << " s\n";
+  EXPECT_EQ(failed, 0) << "of " << tally.cases << " pairs, seed " << seed;
+  if (replay) return;
+  EXPECT_GE(tally.touching, 2 * tally.cases / 5);
+  EXPECT_LE(tally.touching, 3 * tally.cases / 5);
+  EXPECT_EQ(tally.confirmed_first, tally.transversal);
+  EXPECT_GE(tally.transversal, tally.cases / 3) << "too few decisive hits to mean anything";
+  EXPECT_GE(tally.well_apart, tally.cases / 3);
+  EXPECT_LE(tally.gave_up, tally.cases / 200) << "the oracle itself could not tell";
+}
+
+}  // namespace
