@@ -147,8 +147,13 @@ class Run {
           t = found_at_;
           return true;
         }
+        if (search_.nearPairs(from, at, 1).empty() && !carried) {  // a second look proves the bracket free
+          state_.phase = Phase::kApart;
+          t = at;
+          return true;
+        }
         const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
-        if (next.found && !(next.time - at > at - from) && next.time < end_) {
+        if (next.found && next.time - at <= std::max(at - from, width_) && next.time < end_) {
           step = std::max(next.time - from, step * kGrow);  // a gap shorter than the bracket: the bracket goes on
           proved_nothing = next.time;
           continue;

@@ -136,6 +136,30 @@ double normalConeFromPoints(const std::vector<Vec3>& pa, const std::vector<Vec3>
   return best;
 }
 
+/// How far the computed closest vector may lean from the exact one [rad].
+/// Any answer: |v - v*|^2 <= |v|^2 - v . w for the farthest w (the duality gap). Where every vertex outside the simplex
+/// lies clearly beyond its plane, the exact closest point is in the simplex too, and a point or segment is well
+/// conditioned: the error is of first order.
+double directionError(const PairPiece& piece, const Cores& cores, const Closest& closest, double gap) {
+  const double length = closest.v.norm();
+  const double dual = std::sqrt((std::max(0.0, length - gap) + 8.0 * piece.point_error) / length);
+  if (closest.exact) return 64.0 * piece.point_error / gap;
+  if (closest.count > 2) return dual;
+  const Element &a = *cores.a.element, &b = *cores.b.element;
+  if (a.vertices == nullptr || b.vertices == nullptr) return dual;
+  for (int i = 0; i < a.count; ++i) {
+    for (int j = 0; j < b.count; ++j) {
+      const Vec3 w = cores.b.place(b.vertices[j]) - cores.a.place(a.vertices[i]);
+      bool in_simplex = false;
+      for (int k = 0; k < closest.count; ++k) {
+        in_simplex |= closest.point[k].local_a == a.vertices[i] && closest.point[k].local_b == b.vertices[j];
+      }
+      if (!in_simplex && !(w.dot(closest.v) > length * (length + 16.0 * piece.point_error))) return dual;
+    }
+  }
+  return 64.0 * piece.point_error / gap;
+}
+
 /// The side's identity and witness, from a point of the contact in world axes relative to A's origin.
 Side sideOf(const PosedCore& core, const Vec3& point, Feature feature) {
   Side side;
@@ -211,9 +235,11 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   double cone = normalConeFromPoints(samplePoints(cores.a, n), samplePoints(cores.b, n), n, e1, e2, low_b - top_a,
                                      2.0 * moved + std::max(0.0, top_a - low_b));
   if (radius > 0.0 && gap > 2.0 * moved) {
-    const double single = ea.count == 1 || eb.count == 1 ? std::asin(std::min(1.0, 2.0 * moved / gap)) + turned : M_PI;
-    const double any = std::acos((gap - moved) / (gap + moved));
-    cone = std::min({cone, single, any});
+    // A single point's closest vector moves at most twice as far as the point does in the other's frame.
+    const bool single = (ea.count == 1 && ea.vertices != nullptr) || (eb.count == 1 && eb.vertices != nullptr);
+    const double lean = std::asin(std::min(1.0, 2.0 * moved / gap)) + directionError(piece, cores, closest, gap);
+    const double any = std::acos((gap - moved) / (closest.v.norm() + moved));
+    cone = std::min({cone, single ? lean : M_PI, any});
   }
   cone = std::min(M_PI, cone + turned + 32.0 * kUnit);
   f.normal = n;

@@ -136,6 +136,44 @@ Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, 
   return axis;
 }
 
+std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b) {
+  std::vector<Axis> axes;
+  if (a.vertices == nullptr || b.vertices == nullptr || a.count > 3 || b.count > 3) return axes;
+  const RelativeMotion& m = piece.motion;
+  Vec3 edges_a[3], edges_b[3];
+  const int count_a = a.count == 3 ? 3 : a.count - 1, count_b = b.count == 3 ? 3 : b.count - 1;
+  for (int i = 0; i < count_a; ++i) edges_a[i] = now.ra * (a.vertices[(i + 1) % a.count] - a.vertices[i]);
+  for (int j = 0; j < count_b; ++j) edges_b[j] = now.rb * (b.vertices[(j + 1) % b.count] - b.vertices[j]);
+  const auto add = [&](const Vec3& n, const Vec3& n_rate, double scale) {
+    const double length = n.norm();
+    if (!(length > 1e-14 * scale)) return;
+    for (const double sign : {1.0, -1.0}) {
+      Axis axis;
+      axis.direction = n * (sign / length);
+      axis.rate = (n_rate - n * (n.dot(n_rate) / (length * length))) * (sign / length);
+      axis.valid = true;
+      axes.push_back(axis);
+    }
+  };
+  if (count_a == 3) {
+    const Vec3 n = edges_a[0].cross(edges_a[1]);
+    add(n, m.omegaA().cross(n), edges_a[0].norm() * edges_a[1].norm());
+  }
+  if (count_b == 3) {
+    const Vec3 n = edges_b[0].cross(edges_b[1]);
+    add(n, m.omegaB().cross(n), edges_b[0].norm() * edges_b[1].norm());
+  }
+  for (int i = 0; i < count_a; ++i) {
+    for (int j = 0; j < count_b; ++j) {
+      const Vec3 n = edges_a[i].cross(edges_b[j]);
+      const Vec3 n_rate =
+          m.omegaA().cross(edges_a[i]).cross(edges_b[j]) + edges_a[i].cross(m.omegaB().cross(edges_b[j]));
+      add(n, n_rate, edges_a[i].norm() * edges_b[j].norm());
+    }
+  }
+  return axes;
+}
+
 double apartFor(const GapModel& model, double span, double* gap_now) {
   const GapModel::Value start = model.at(0.0);
   *gap_now = start.gap;

@@ -5,6 +5,8 @@
 /// The axis may be any; a poor one costs time, never a miss. Derivation: docs/solver.md, "The gap model".
 #pragma once
 
+#include <vector>
+
 #include "collision_node/impact/gjk.h"
 
 namespace collision_node::impact {
@@ -41,6 +43,10 @@ class GapModel {
 
 /// The axis through the closest points, turning with the features that hold them; invalid when the cores overlap.
 Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, bool rounded);
+
+/// Normals of faces and of edge pairs for two triangles (separating axis theorem), turning with their features; for
+/// the last few budgets before a contact, where closest points no longer tell a direction. Empty for other elements.
+std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b);
 
 /// See the guarantee above; at most `span`. `gap_now` receives the proved gap at s = 0 (<= 0: none).
 double apartFor(const GapModel& model, double span, double* gap_now);

@@ -106,6 +106,34 @@ Reduced reduce(const SupportPair* p, int count) {
   }
 }
 
+/// The point of a cylinder nearest to `p`, both in the cylinder's frame: clamp along the axis and across it.
+Vec3 nearestInCylinder(const Element& e, const Vec3& p) {
+  const Vec3 x = p - e.centre;
+  const double along = x.dot(e.axis);
+  const Vec3 across = x - along * e.axis;
+  const double radius = across.norm();
+  const double share = radius > e.rim_radius ? e.rim_radius / radius : 1.0;
+  return e.centre + std::clamp(along, -e.half_length, e.half_length) * e.axis + share * across;
+}
+
+/// A single point against a cylinder has a closed form; GJK only creeps towards a curved surface.
+Closest pointToCylinder(const Cores& cores, bool point_is_a) {
+  const PosedCore &point = point_is_a ? cores.a : cores.b, &cylinder = point_is_a ? cores.b : cores.a;
+  const Vec3 world = point.place(point.element->vertices[0]);
+  const Vec3 local = cylinder.rotation->transpose() * (world - cylinder.origin);
+  const Vec3 nearest = nearestInCylinder(*cylinder.element, local);
+  Closest c;
+  c.count = 1;
+  c.weight[0] = 1.0;
+  c.exact = true;
+  c.point[0].local_a = point_is_a ? point.element->vertices[0] : nearest;
+  c.point[0].local_b = point_is_a ? nearest : point.element->vertices[0];
+  c.point[0].w = *cylinder.rotation * (point_is_a ? Vec3(nearest - local) : Vec3(local - nearest));
+  c.v = c.point[0].w;
+  c.overlap = c.v.isZero(0.0);
+  return c;
+}
+
 }  // namespace
 
 Vec3 supportOf(const Element& e, const Vec3& direction) {
@@ -142,6 +170,9 @@ SupportPair Cores::support(const Vec3& direction) const {
 }
 
 Closest closestPoints(const Cores& cores, const Vec3& guess) {
+  const Element &a = *cores.a.element, &b = *cores.b.element;
+  if (a.vertices != nullptr && a.count == 1 && b.vertices == nullptr) return pointToCylinder(cores, true);
+  if (b.vertices != nullptr && b.count == 1 && a.vertices == nullptr) return pointToCylinder(cores, false);
   Closest c;
   c.count = 1;
   c.point[0] = cores.support(guess.squaredNorm() > 0.0 ? Vec3(-guess) : Vec3(1.0, 0.0, 0.0));

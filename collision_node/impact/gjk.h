@@ -39,6 +39,7 @@ struct Closest {
   double weight[4] = {};  ///< convex
   Vec3 v = Vec3::Zero();  ///< closest point of B - A to the origin: from A to B
   bool overlap = false;   ///< the origin seems to lie inside
+  bool exact = false;     ///< from a closed form: v is right to rounding
 };
 
 /// Closest points of the cores. `guess` is a first direction, e.g. the last answer's v.

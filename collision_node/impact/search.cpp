@@ -25,6 +25,29 @@ bool clipAxis(double d, double w, double e, double pad, double& low, double& hig
   return low <= high;
 }
 
+/// The longest time any proposed axis proves. More are tried only where the first does worse than plain advancement by
+/// the distance would.
+double apartFrom(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Closest& closest,
+                 bool rounded, double span) {
+  double best = 0.0, gap = 0.0;
+  const auto propose = [&](const Axis& axis) {
+    if (axis.valid) best = std::max(best, apartFor(GapModel(piece, now, a, b, axis), span, &gap));
+  };
+  Axis axis = axisOf(piece, now, closest, rounded);
+  propose(axis);
+  const double radius = a.radius + b.radius + piece.contact_distance;
+  const double plain = (closest.v.norm() - radius - 2.0 * piece.point_error) / piece.speed;
+  if (best >= span || !(best < 0.5 * plain || best == 0.0)) return best;
+  axis.rate.setZero();
+  propose(axis);
+  const double length = closest.v.norm();
+  if (length > 0.0) propose({closest.v / length, Vec3::Zero(), true});
+  if (best < 0.5 * plain || best == 0.0) {
+    for (const Axis& other : featureAxes(piece, now, a, b)) propose(other);
+  }
+  return best;
+}
+
 }  // namespace
 
 std::int32_t Search::addSlab(double low, double high) {
@@ -181,11 +204,8 @@ double Search::advance(const Element& a, const Element& b, double from, double t
     const Instant now = piece_.at(t);
     const Closest closest = closestPoints(Cores(now, a, b), guess);
     guess = closest.v;
-    const Axis axis = axisOf(piece_, now, closest, rounded);
-    if (!axis.valid) return t;
-    double gap = 0.0;
-    const double s = apartFor(GapModel(piece_, now, a, b, axis), to - t, &gap);
-    if (!(gap > 0.0)) return t;
+    const double s = apartFrom(piece_, now, a, b, closest, rounded, to - t);
+    if (!(s > 0.0)) return t;
     if (s >= to - t) return kInfinity;
     const double next = t + s;
     if (!(next > t)) return t;
@@ -252,8 +272,8 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
       const PairPiece& piece = search.piece_;
       const Element a = piece.a.element(ea, buffer_a), b = piece.b.element(eb, buffer_b);
       const Closest closest = closestPoints(Cores(now, a, b), Vec3::Zero());
-      const Axis axis = axisOf(piece, now, closest, a.radius + b.radius + piece.contact_distance > 0.0);
-      if (axis.valid && GapModel(piece, now, a, b, axis).at(0.0).gap > 0.0) return kInfinity;
+      const bool rounded = a.radius + b.radius + piece.contact_distance > 0.0;
+      if (apartFrom(piece, now, a, b, closest, rounded, 1e-300) > 0.0) return kInfinity;
       ContactWitness w;
       if (touchesAt(piece, now, a, b, closest, w)) {
         w.element_a = ea;
