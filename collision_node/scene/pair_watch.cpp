@@ -86,7 +86,7 @@ void PairWatch::startOver() {
 }
 
 std::optional<Instant> PairWatch::openSince() const {
-  if (state_.phase != Phase::kUndecided) return std::nullopt;
+  if (state_.phase != Phase::kUndecided || state_.published) return std::nullopt;
   return instantAt(state_.pending.interval_start_ns, state_.pending.toi_lower);
 }
 

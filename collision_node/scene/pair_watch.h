@@ -29,7 +29,7 @@ class PairWatch {
   void startOver();
 
   bool isTouching() const { return state_.phase == impact::PairState::Phase::kTouching; }
-  /// Lower end of the bracket that is still being searched.
+  /// Lower end of the bracket that is still being searched and not published yet.
   std::optional<Instant> openSince() const;
 
   /// The worst answer since clearAnswer(); without a piece since then, what the last pieces left.
