@@ -1,0 +1,103 @@
+#!/usr/bin/python3
+"""The result bag in a real rviz: the confirmed impact's red is on the screen in two rounds of the looping player.
+
+    rviz_test.py path/to/replay path/to/repository [picture.png]
+
+Runs its own master, screen, rviz and player, and ends them by their ids. With `picture.png` the last picture is kept.
+"""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+from processes import Children, free_port, wait
+
+SKIP = 77  # told to ctest
+IMPACT_NS = 1700000001795415322  # the first confirmed impact of the demo
+RED = 30  # pixels of the marker's colour that a picture must hold
+
+
+def red_pixels(environment, picture):
+    """How many pixels of the screen are red and nothing else."""
+    taken = subprocess.run(['import', '-window', 'root', '-depth', '8', str(picture)], env=environment, check=False,
+                           stderr=subprocess.DEVNULL)
+    if taken.returncode:
+        return 0
+    pixels = subprocess.run(['convert', str(picture), '-depth', '8', 'rgb:-'], check=True,
+                            stdout=subprocess.PIPE).stdout
+    return sum(1 for r, g, b in zip(pixels[0::3], pixels[1::3], pixels[2::3]) if r > 120 and g < 25 and b < 25)
+
+
+def main():
+    replay, repository = sys.argv[1], pathlib.Path(sys.argv[2])
+    missing = [name for name in ('rviz', 'Xvfb', 'import', 'convert', 'rosmaster') if not shutil.which(name)]
+    if missing:
+        print('skipped: not installed: ' + ', '.join(missing))
+        return SKIP
+    demo = repository / 'config' / 'efp_tank'
+    with tempfile.TemporaryDirectory() as folder, Children() as children:
+        bag, picture = pathlib.Path(folder, 'impacts.bag'), pathlib.Path(folder, 'screen.png')
+        subprocess.run([replay, str(demo / 'scene.yaml'), str(demo / 'efp_tank.bag'), '--out', str(bag)], check=True,
+                       stdout=subprocess.DEVNULL)
+        read, write = os.pipe()
+        children.start('Xvfb', '-displayfd', str(write), '-screen', '0', '1280x900x24', pass_fds=[write])
+        os.close(write)
+        display = os.read(read, 16).decode().strip()
+        port = free_port()
+        environment = dict(os.environ, DISPLAY=':' + display, ROS_MASTER_URI='http://127.0.0.1:%d' % port,
+                           ROS_IP='127.0.0.1', HOME=folder)
+        os.environ.update(environment)
+        children.start('rosmaster', '--core', '-p', str(port), env=environment)
+
+        import rosgraph  # after the environment: they read it on import
+        import rospy
+        from rosgraph_msgs.msg import Clock
+        wait(children, 'the master', rosgraph.is_master_online)
+        rospy.set_param('/use_sim_time', True)
+        children.start('rviz', '-d', str(repository / 'config' / 'collision_node.rviz'), env=environment)
+        rounds, now = [0], [0]
+
+        def on_clock(message):
+            stamp = message.clock.to_nsec()
+            if stamp < now[0] or rounds[0] == 0:
+                rounds[0] += 1
+            now[0] = stamp
+
+        rospy.init_node('rviz_test', disable_signals=True)
+        rospy.Subscriber('/clock', Clock, on_clock)
+        master = rosgraph.Master('/rviz_test')
+
+        def rviz_listens():
+            return any(topic == '/collision_node/markers' for topic, _ in master.getSystemState()[1])
+
+        wait(children, 'rviz to ask for the markers', rviz_listens)
+        before = red_pixels(environment, picture)
+        if before >= RED:
+            sys.exit('%d red pixels before anything was played' % before)
+        # A third of the speed leaves time for several pictures in each round.
+        children.start('/usr/lib/rosbag/play', '--clock', '--loop', '-q', '-d', '2', '-r', '0.3', str(bag),
+                       env=environment, stdin=subprocess.DEVNULL)
+        for wanted in (1, 2):
+            def seen():
+                start = rounds[0]
+                if start < wanted or now[0] < IMPACT_NS:
+                    return False
+                count = red_pixels(environment, picture)
+                # The picture counts only if the round did not end while it was taken.
+                if rounds[0] != start or start != wanted:
+                    if rounds[0] > wanted:
+                        sys.exit('round %d went by without the red of an impact' % wanted)
+                    return False
+                return count if count >= RED else False
+
+            print('round %d: %d red pixels' % (wanted, wait(children, 'red in round %d' % wanted, seen)))
+        if len(sys.argv) > 3:
+            shutil.copy(picture, sys.argv[3])
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
