@@ -345,7 +345,8 @@ class Examination {
   }
 
   void separationIsReal(Real lower, Real upper) {
-    if (!pair_.crossesInNoTime() && pair_.distance(lower) > 1e-15L * pair_.scale()) {
+    const Real tolerance = (pair_.hasTwoCylinders() ? 1e-11L : 1e-15L) * pair_.scale();
+    if (!pair_.crossesInNoTime() && pair_.distance(lower) > tolerance) {
       complain("SEPARATION says contact at %.20Lg s, apart there by %.6Lg m", lower, pair_.distance(lower));
     }
     if (upper < pair_.duration() && pair_.touching(upper + 1e-16L * pair_.duration())) {

@@ -27,6 +27,19 @@ inline V3 nearestOnCylinder(const V3& p, const Cylinder& c) {
 
 inline Gap pointCylinder(const V3& p, const Cylinder& c) { return gapBetween(p, nearestOnCylinder(p, c)); }
 
+/// The direction in which the distance grows at an outside point p, not normalised. Taken region by region:
+/// the difference to the nearest point would be all rounding close to the surface.
+inline V3 growthDirection(const V3& p, const Cylinder& c) {
+  const V3 r = p - c.centre;
+  const Real z = dot(r, c.axis);
+  const V3 radial = r - z * c.axis;
+  const Real rho = norm(radial);
+  const Real out = std::max<Real>(0, rho - c.radius), over = std::max<Real>(0, std::abs(z) - c.half);
+  V3 direction = (z > 0 ? over : -over) * c.axis;
+  if (out > 0) direction = direction + (out / rho) * radial;
+  return direction;
+}
+
 /// The distance along a segment is convex: bisect on the sign of its derivative.
 inline Gap segmentCylinder(const V3& p0, const V3& p1, const Cylinder& c) {
   const V3 e = p1 - p0;
@@ -37,7 +50,7 @@ inline Gap segmentCylinder(const V3& p0, const V3& p1, const Cylinder& c) {
     const Real mid = (lo + hi) / 2;
     const Gap g = pointCylinder(p0 + mid * e, c);
     keepNearer(best, g);
-    (dot(g.a - g.b, e) > 0 ? hi : lo) = mid;
+    (dot(growthDirection(g.a, c), e) > 0 ? hi : lo) = mid;
   }
   return best;
 }

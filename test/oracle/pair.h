@@ -50,6 +50,13 @@ class Pair {
   Real duration() const { return duration_; }
   Real size() const { return size_; }    ///< sum of both reaches [m]
   Real scale() const { return scale_; }  ///< bounds every relative coordinate on the piece [m]
+  /// Two cylinders may meet: their static distance is only good to about 1e-12 of the size when they almost
+  /// touch.
+  bool hasTwoCylinders() const {
+    const auto round = [](const Part& p) { return p.count == 0; };
+    return std::any_of(a_.parts.begin(), a_.parts.end(), round) &&
+           std::any_of(b_.parts.begin(), b_.parts.end(), round);
+  }
   /// Below this two sets count as touching: a few hundred roundings of the largest coordinate. [m]
   Real touchDistance() const { return 2e-17L * scale_; }
   Real marchEnd() const { return 1e-16L * scale_; }  ///< the march stops at this distance [m]
