@@ -1,17 +1,18 @@
 #!/usr/bin/python3
 """A user's package against the install space: installs ours, builds the listener against it, and has it hear the demo.
 
-    client_test.py path/to/build path/to/repository
+    client_test.py path/to/build path/to/install path/to/repository
 """
 
 import os
 import pathlib
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
 
-REPOSITORY = pathlib.Path(sys.argv[2])
+REPOSITORY = pathlib.Path(sys.argv[3])
 sys.path.insert(0, str(REPOSITORY / 'test' / 'live'))
 from processes import Children, free_port, wait  # noqa: E402
 
@@ -33,10 +34,11 @@ def installed_environment(prefix):
 
 
 def main():
-    build = sys.argv[1]
+    build, prefix = sys.argv[1], pathlib.Path(sys.argv[2])
+    shutil.rmtree(prefix, ignore_errors=True)  # what an older build left must not help
     with tempfile.TemporaryDirectory() as folder, Children() as children:
-        prefix, client = pathlib.Path(folder, 'install'), pathlib.Path(folder, 'client')
-        run('cmake', '--install', build, '--prefix', str(prefix))
+        client = pathlib.Path(folder, 'client')
+        run('cmake', '--install', build)
         environment = installed_environment(prefix)
         run('cmake', '-S', str(REPOSITORY / 'test' / 'client' / 'project'), '-B', str(client),
             '-DPYTHON_EXECUTABLE=/usr/bin/python3', '-DPython3_EXECUTABLE=/usr/bin/python3', env=environment)
