@@ -36,8 +36,8 @@ std_msgs::ColorRGBA colourOf(const scene::Event& event) {
 
 /// Muted, so that no body can be taken for an impact.
 std_msgs::ColorRGBA bodyColour(std::size_t object) {
-  static const float palette[][3] = {{0.42F, 0.48F, 0.30F}, {0.45F, 0.52F, 0.60F}, {0.66F, 0.60F, 0.45F},
-                                     {0.35F, 0.55F, 0.52F}, {0.55F, 0.47F, 0.58F}, {0.62F, 0.62F, 0.62F}};
+  static const float palette[][3] = {{0.55F, 0.47F, 0.58F}, {0.45F, 0.52F, 0.60F}, {0.66F, 0.60F, 0.45F},
+                                     {0.35F, 0.55F, 0.52F}, {0.48F, 0.55F, 0.34F}, {0.62F, 0.62F, 0.62F}};
   const auto& c = palette[object % (sizeof palette / sizeof palette[0])];
   return colour(c[0], c[1], c[2], 0.65F);
 }
@@ -188,10 +188,11 @@ Markers::Array Markers::event(const scene::Event& event) {
   bound.color.a = 0.2F;
   add(bound);
 
+  if (event.kind == impact::Kind::kSeparation) return out;  // its label would cover that of the impact
   Marker text = marker(kEventSpaces[3], id, Marker::TEXT_VIEW_FACING, frame);
   text.pose.position = toPoint(event.position + Vec3(0.0, 0.0, size + options_.min_size));
   text.scale.z = 0.8 * options_.min_size;
-  text.color = colour(1.0F, 1.0F, 1.0F, 1.0F);
+  text.color = paint;
   text.text = label(event, enlarged);
   add(text);
   return out;

@@ -20,8 +20,8 @@ struct MarkerOptions {
   std::size_t max_events = 1000;  ///< events shown at a time; the oldest are deleted
 };
 
-/// Builds marker arrays in the world frame. Namespaces: impact/point, impact/normal, impact/bound, impact/label (ids: the
-/// low 31 bits of event_id) and body (ids: the link's number in the scene, so a body moves to its newest impact).
+/// Builds marker arrays in the world frame. Namespaces: impact/point, impact/normal, impact/bound, impact/label (not for
+/// separations; ids: the low 31 bits of event_id) and body (ids: the link's number in the scene, so a body moves to its newest impact).
 /// Colours of impact/point: confirmed impact red (1, 0, 0), separation blue, initial overlap yellow, possible orange,
 /// uncertified magenta.
 class Markers {
