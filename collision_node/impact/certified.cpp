@@ -6,6 +6,7 @@
 ///   - CONFIRMED: apart before toi_lower, contact proved at or before toi_upper.
 ///   - What cannot be decided is published as POSSIBLE, never as clear.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -48,6 +49,8 @@ class Run {
       start();
     } else if (state_.phase != Phase::kApart) {
       state_.pending_speed = std::max(state_.pending_speed, pair_.speed);
+      // What was published is no longer waited for: a later answer begins with this piece.
+      if (state_.phase == Phase::kUndecided && state_.published) state_.pending = stamped(state_.pending.kind, 0.0);
     }
     std::optional<ContactWitness> witness;
     if (start_witness_) witness = std::move(start_witness_);
@@ -212,14 +215,25 @@ class Run {
     return false;
   }
 
-  /// A point went through a triangle between the two instants: an impact and its separation in one bracket.
+  /// A point went through a surface between the two instants: an impact and its separation in one bracket.
   bool passed(double from, double at, double& t) {
-    if (state_.was_touching) return false;
+    if (state_.was_touching || pair_.contact_distance > 0.0) return false;
+    const std::vector<ElementPair> near = search_.nearPairs(from, at, 64);
     const Instant first = pair_.at(from), last = pair_.at(at);
-    for (const ElementPair& pair : search_.nearPairs(from, at, 16)) {
+    for (const ElementPair& pair : near) {
       Vec3 buffer_a[3], buffer_b[3];
       const Element a = pair_.a.element(pair.a, buffer_a), b = pair_.b.element(pair.b, buffer_b);
-      if (!passesThrough(pair_, first, last, a, b)) continue;
+      const bool point_is_a = a.count == 1 && b.triangle >= 0, point_is_b = b.count == 1 && a.triangle >= 0;
+      if (!(point_is_a || point_is_b) || a.radius + b.radius > 0.0) continue;
+      const Element& triangle = point_is_a ? b : a;
+      const Vec3 point = point_is_a ? a.vertices[0] : b.vertices[0];
+      std::vector<std::array<Vec3, 3>> patch = {{triangle.vertices[0], triangle.vertices[1], triangle.vertices[2]}};
+      bool proved = passesThrough(pair_, first, last, point_is_a, point, patch);
+      if (!proved) {  // through an edge or a vertex: with all the triangles around it
+        patch = patchAround(near, pair, point_is_a, triangle.shape);
+        proved = passesThrough(pair_, first, last, point_is_a, point, patch);
+      }
+      if (!proved) continue;
       PairEvent event = state_.pending;
       event.kind = Kind::kImpact;
       finish(event, from, at, pair);
@@ -234,6 +248,19 @@ class Run {
       return true;
     }
     return false;
+  }
+
+  /// The triangles of one mesh among the near pairs of the same point.
+  std::vector<std::array<Vec3, 3>> patchAround(const std::vector<ElementPair>& near, ElementPair pair, bool point_is_a,
+                                               int shape) const {
+    std::vector<std::array<Vec3, 3>> patch;
+    for (const ElementPair& other : near) {
+      if (point_is_a ? other.a != pair.a : other.b != pair.b) continue;
+      Vec3 buffer[3];
+      const Element e = point_is_a ? pair_.b.element(other.b, buffer) : pair_.a.element(other.a, buffer);
+      if (e.triangle >= 0 && e.shape == shape) patch.push_back({e.vertices[0], e.vertices[1], e.vertices[2]});
+    }
+    return patch;
   }
 
   /// In contact at `t`: follows the proof forward, and where it ends looks for the next one or for clearance.
@@ -357,7 +384,12 @@ class Run {
     PairEvent event = state_.pending;
     const double from = std::max(0.0, localStart(event));
     finish(event, from, at, opened_.a >= 0 ? opened_ : firstOf(search_.nearPairs(from, at, 1)));
-    if (event.kind == Kind::kInitialOverlap) event.toi_upper = event.toi_lower;
+    if (event.kind == Kind::kInitialOverlap) {
+      event.toi_upper = event.toi_lower;
+      event.normal = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+      event.normal_error = M_PI;
+      event.closing_speed = event.normal.x();
+    }
     event.certificate = Certificate::kPossible;
     event.reason = search_.exhausted() ? Reason::kBudget : Reason::kGrazing;
     events_.push_back(event);

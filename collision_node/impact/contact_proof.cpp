@@ -255,45 +255,68 @@ bool touchesThrough(const PairPiece& piece, const Instant& from, const Instant& 
   return closeThrough(from, to, witness.closest, last, radius - chordError(piece, to.t - from.t) - piece.point_error);
 }
 
-bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& to, const Element& a, const Element& b) {
-  const bool a_is_point = a.count == 1 && b.count == 3 && b.vertices != nullptr;
-  const bool b_is_point = b.count == 1 && a.count == 3 && a.vertices != nullptr;
-  if (!(a_is_point || b_is_point) || a.radius + b.radius + piece.contact_distance > 0.0) return false;
-  const Element& triangle = a_is_point ? b : a;
-  const Vec3 local = a_is_point ? a.vertices[0] : b.vertices[0];
-
-  // In world axes relative to the point: corners c_i(t), linear between the instants up to `e`.
-  const double e = chordError(piece, to.t - from.t);
-  Vec3 p[3], q[3];
+bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& to, bool point_is_a, const Vec3& point,
+                   const std::vector<std::array<Vec3, 3>>& patch) {
+  // In the triangles' frame, relative to where the point is at `from`: the triangles stand still.
+  const auto pointAt = [&](const Instant& now) -> Vec3 {
+    if (point_is_a) return now.rb.transpose() * (now.ra * point - now.d);
+    return now.ra.transpose() * (now.d + now.rb * point);
+  };
+  const Vec3 x0 = pointAt(from), x1 = pointAt(to);
   double size = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    SupportPair pair;
-    pair.local_a = a_is_point ? local : triangle.vertices[i];
-    pair.local_b = a_is_point ? triangle.vertices[i] : local;
-    p[i] = differenceAt(from, pair);
-    q[i] = differenceAt(to, pair);
-    size = std::max({size, p[i].norm(), q[i].norm()});
+  for (const auto& t : patch) {
+    for (const Vec3& v : t) size = std::max({size, (v - x0).norm(), (v - x1).norm()});
   }
-  size = size * (1.0 + 16.0 * kUnit) + e;
-  const double slack = 3.0 * e * size * size + 32.0 * kUnit * size * size * size;
-  const double before = det(p[0], p[1], p[2]), after = det(q[0], q[1], q[2]);
-  if (!((before > slack && after < -slack) || (before < -slack && after > slack))) return false;
-  // The plane passes through the point at some time; there the point is inside if, all the time, it is on the inner
-  // side of every edge: ((c_i x c_j) . n) > 0 with n the triangle's normal.
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3;
-    // 4th degree in time; bounded by its value at `from` and the sizes' change.
-    const Vec3 n = (p[1] - p[0]).cross(p[2] - p[0]);
-    const double value = p[i].cross(p[j]).dot(n);
-    const double move = std::max({(q[0] - p[0]).norm(), (q[1] - p[1]).norm(), (q[2] - p[2]).norm()}) + 2.0 * e;
-    const double edge1 = (p[1] - p[0]).norm() + 2.0 * move, edge2 = (p[2] - p[0]).norm() + 2.0 * move;
-    const double li = p[i].norm() + move, lj = p[j].norm() + move;
-    const double n_move = 2.0 * move * (edge1 + edge2);
-    const double change = move * (li + lj) * (n.norm() + n_move) + li * lj * n_move +
-                          64.0 * kUnit * li * lj * edge1 * edge2;
-    if (!(value > change)) return false;
+  const double dt = to.t - from.t;
+  const double spin = point_is_a ? piece.motion.spinB() : piece.motion.spinA();
+  const double e = 2.0 * piece.point_error + 16.0 * kUnit * size;
+  // The point's path in that frame stays this close to x0: relative speed, and the frame's own turn.
+  const double move = (piece.speed + spin * size) * dt * (1.0 + 16.0 * kUnit) + e;
+  const double reach = size + move;
+
+  Vec3 up = Vec3::Zero();
+  for (const auto& t : patch) {
+    const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
+    if (n.squaredNorm() > up.squaredNorm()) up = n;
   }
-  return true;
+  if (!(up.norm() > 0.0)) return false;
+  up.normalize();
+
+  // The patch is a graph over the plane across `up`: every triangle, wound to face it, leans clearly towards it.
+  std::vector<std::array<Vec3, 3>> faces;
+  bool above = true, below = true;
+  for (auto t : patch) {
+    Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
+    if (n.dot(up) < 0.0) {
+      std::swap(t[1], t[2]);
+      n = -n;
+    }
+    const double edges = (t[1] - t[0]).norm() * (t[2] - t[0]).norm();
+    if (!(n.dot(up) > 64.0 * kUnit * edges)) return false;
+    const double slack = n.norm() * e + 64.0 * kUnit * edges * size;
+    const double h0 = n.dot(x0 - t[0]), h1 = n.dot(x1 - t[0]);
+    above &= h0 > slack && h1 < -slack;
+    below &= h0 < -slack && h1 > slack;
+    faces.push_back(t);
+  }
+  // On one side of every plane at first, on the other at last: it changes the graph's side ...
+  if (!above && !below) return false;
+  // ... and stays over it all the time: left of every edge of the patch's border, seen along `up`.
+  bool has_border = false;
+  for (const auto& t : faces) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 &i = t[k], &j = t[(k + 1) % 3];
+      bool inner = false;
+      for (const auto& other : faces) {
+        for (int l = 0; l < 3; ++l) inner |= other[l] == j && other[(l + 1) % 3] == i;
+      }
+      if (inner) continue;
+      has_border = true;
+      const double value = up.dot((i - x0).cross(j - x0));
+      if (!(value > move * (j - i).norm() + 64.0 * kUnit * reach * reach)) return false;
+    }
+  }
+  return has_border;
 }
 
 }  // namespace collision_node::impact

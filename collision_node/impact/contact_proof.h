@@ -40,7 +40,10 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
 bool touchesThrough(const PairPiece& piece, const Instant& from, const Instant& to, const Element& a, const Element& b,
                     const ContactWitness& witness);
 
-/// Does a point pass through a triangle at some time in [from.t, to.t]? For pairs without radius or volume.
-bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& to, const Element& a, const Element& b);
+/// Does a point pass through a patch of triangles at some time in [from.t, to.t]? For pairs without radius or volume.
+/// `patch` are triangles of one body (b when `point_is_a`), `point` is in the other's frame. A patch of several
+/// triangles proves a passage through their common edge or vertex, which none of them proves alone.
+bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& to, bool point_is_a, const Vec3& point,
+                   const std::vector<std::array<Vec3, 3>>& patch);
 
 }  // namespace collision_node::impact
