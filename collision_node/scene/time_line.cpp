@@ -8,7 +8,6 @@ namespace collision_node::scene {
 
 TimeLine::TimeLine(std::vector<Track> tracks, Nanoseconds timeout_ns)
     : tracks_(std::move(tracks)), timeout_ns_(timeout_ns), is_changed_(tracks_.size(), 1) {
-  for (const Track& track : tracks_) status_.push_back(track.status());
   startOver();
 }
 
@@ -52,10 +51,9 @@ void TimeLine::note(int index) {
   latest_epoch_ = std::max(latest_epoch_, track.epoch());
   if (track.firstReleased() && (!first_ || *track.firstReleased() < *first_)) first_ = track.firstReleased();
   if (track.lastReleased() && (!newest_ || *track.lastReleased() > *newest_)) newest_ = track.lastReleased();
-  const Track::Status status = track.status();
-  if (status == Track::Status::kLive) next_check_ns_ = std::min(next_check_ns_, track.newest() + timeout_ns_);
-  if (status_[index] != status || index == holder_) holder_ = -1;
-  status_[index] = status;
+  if (track.status() == Track::Status::kLive)
+    next_check_ns_ = std::min(next_check_ns_, track.newest() + timeout_ns_);
+  if (index == holder_) holder_ = -1;  // whoever else has come or gone joined at the watermark or above it
 }
 
 void TimeLine::checkTimeouts() {

@@ -63,7 +63,6 @@ class TimeLine {
   std::optional<Nanoseconds> watermark_, first_, newest_;
   Nanoseconds next_check_ns_;  ///< no track can have timed out before the newest stamp passes this
   int holder_ = -1;            ///< the track that holds the watermark back; -1: must be looked for
-  std::vector<Track::Status> status_;
   std::vector<char> is_changed_;
 };
 

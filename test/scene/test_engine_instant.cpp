@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <random>
 #include <string>
 
@@ -44,12 +46,55 @@ TEST(Instant, OrdersExactly) {
   EXPECT_GT(close, 50000);
 }
 
-TEST(Instant, RoundsDownAlsoWhereTheProductRoundsUp) {
-  const double just_below = std::nextafter(1e-9, 0.0);  // times 1e9 rounds to 1.0
-  EXPECT_EQ(instantAt(10, just_below).ns, 10);
-  EXPECT_TRUE(instantAt(10, just_below) < instantAt(11));
+/// The number m < 2^54 for which 1e9 * m * 2^-63 has the fraction `part` * 2^-54. It is a double when below
+/// 2^53.
+std::uint64_t numeratorFor(std::uint64_t part) {
+  constexpr std::uint64_t kFive9 = 1953125, kMask = (1ull << 54) - 1;
+  std::uint64_t inverse = kFive9;  // Newton: each step doubles the good bits
+  for (int i = 0; i < 6; ++i) inverse *= 2 - kFive9 * inverse;
+  return (inverse * part) & kMask;
+}
+
+double toSeconds(std::uint64_t numerator) { return std::ldexp(static_cast<double>(numerator), -63); }
+
+TEST(Instant, SeesTheSmallestStepFromAWholeNanosecond) {
+  constexpr std::uint64_t kWrap = 1ull << 54;
+  int seen = 0;
+  for (std::uint64_t part = 1; part < 64; part += 2) {
+    for (const bool below : {false, true}) {
+      const std::uint64_t numerator = numeratorFor(below ? kWrap - part : part);
+      if (numerator >= kWrap / 2) continue;
+      const double t = toSeconds(numerator);
+      const Nanoseconds nearest = std::llround(t * 1e9);
+      EXPECT_EQ(instantAt(0, t).ns, below ? nearest - 1 : nearest);  // though t * 1e9 rounds to `nearest`
+      EXPECT_EQ(instantAt(0, t) < instantAt(nearest), below);
+      EXPECT_EQ(instantAt(nearest) < instantAt(0, t), !below);
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 10);
+}
+
+TEST(Instant, SeesWhatOneDoubleOfNanosecondsCannotHold) {
+  // Times with the fractions f and f + 2^-54 ns, f >= 1/2: one double cannot tell them apart.
+  constexpr std::uint64_t kHalf = 1ull << 53;
+  int seen = 0;
+  for (std::uint64_t step = 0; step < 256; step += 2) {
+    const std::uint64_t low = numeratorFor(kHalf + step), high = numeratorFor(kHalf + step + 1);
+    if (high >= kHalf || (low >= kHalf && low % 2 != 0)) continue;
+    const Instant a = instantAt(0, toSeconds(low)), b = instantAt(0, toSeconds(high));
+    const Instant same_ns{b.ns, a.part, a.rest};
+    EXPECT_TRUE(same_ns < b);
+    EXPECT_FALSE(same_ns == b);
+    ++seen;
+  }
+  EXPECT_GT(seen, 10);
+}
+
+TEST(Instant, CountsFromItsStart) {
   EXPECT_TRUE(instantAt(10, 0.0) == instantAt(10));
   EXPECT_EQ(instantAt(10, -0.5e-9).ns, 9);
+  EXPECT_TRUE(instantAt(0, std::ldexp(1.0, -9)) == instantAt(1953125));  // 2^-9 s is whole in both
 }
 
 TEST(Instant, WholeNanosecondsFromSeconds) {

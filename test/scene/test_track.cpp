@@ -99,7 +99,7 @@ TEST(Track, ASmallStepBackThatGoesOnIsANewEpoch) {
 TEST(Track, BackByMoreThanJumpIsANewEpochAtOnce) {
   Track track = fed({5000, 5100, 5200, 4099});
   EXPECT_EQ(track.epoch(), 1u);
-  EXPECT_EQ(fed({5000, 5100, 5200, 4101}).epoch(), 0u);
+  EXPECT_EQ(fed({5000, 5100, 5200, 4100}).epoch(), 0u);  // exactly jump
 }
 
 TEST(Track, ALonePoseOfTheFarFutureDoesNotSwallowTheLoop) {
@@ -178,6 +178,14 @@ TEST(Track, ATwistOfMoreThanHalfATurnPerSegmentIsAliased) {
     const impact::Reason expected = rate > 31.5 ? impact::Reason::kAlias : impact::Reason::kNone;
     EXPECT_EQ(track.reach(track.firstIndex()).doubt, expected) << rate;
   }
+}
+
+TEST(Track, OfSeveralDoubtsTheWorstIsSaid) {
+  using impact::Reason;
+  EXPECT_EQ(worseDoubt(Reason::kNone, Reason::kAlias), Reason::kAlias);
+  EXPECT_EQ(worseDoubt(Reason::kTimeout, Reason::kNone), Reason::kTimeout);
+  EXPECT_EQ(worseDoubt(Reason::kTimeout, Reason::kStampGuessed), Reason::kStampGuessed);
+  EXPECT_EQ(worseDoubt(Reason::kAlias, Reason::kTimeout), Reason::kAlias);
 }
 
 TEST(Track, ADroppedTrackBreaksAndComesBackNoEarlierThanTheFloor) {
