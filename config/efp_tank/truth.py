@@ -182,7 +182,8 @@ def shot_truth(name, scene_object, target, shot, links, zones):
     return {'object': name, 'target': 'tank', 'shape': kind, 'radius': float(size.get('radius', 0.0)),
             'poses': len(shot.stamps), 'metres_between_first_poses': round(speed, 3),
             'bounding_boxes_entered': boxes_entered(links, lines),
-            'clearance_m': None if events else round(min(rods, clearance(links, lines, radius)), 3), 'events': [row for _, row in events]}
+            'clearance_m': None if events else round(min(rods, clearance(links, lines, radius)), 3),
+            'events': [row for _, row in events]}
 
 
 def write(path, folder):
