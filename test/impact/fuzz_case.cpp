@@ -99,7 +99,7 @@ Case makeCase(std::uint64_t seed, int index) {
   }
 
   const double pick = random.unit();
-  const Aim aim = pick < 0.5    ? Aim::kHit
+  const Aim aim = pick < 0.42   ? Aim::kHit
                   : pick < 0.76 ? Aim::kWide
                   : pick < 0.92 ? Aim::kLate
                   : pick < 0.97 ? Aim::kGraze

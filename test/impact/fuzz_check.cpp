@@ -19,43 +19,6 @@ using oracle::V3;
 
 namespace {
 
-constexpr std::int64_t kMarchSteps = 300000;
-
-/// The direction from a's part to b's while they are still a hair apart.
-bool approachNormal(const Pair& pair, const oracle::FirstTouch& touch, Real before, V3* normal) {
-  const Real t = touch.lo - before;
-  if (t < 0) return false;
-  const oracle::Gap gap = pair.partGapAt(touch.part_a, touch.part_b, t);
-  const V3 n = gap.b - gap.a;
-  if (!(norm(n) > 0)) return false;
-  *normal = (1 / norm(n)) * n;
-  return true;
-}
-
-Real angleBetween(const V3& a, const V3& b) { return std::atan2(norm(cross(a, b)), dot(a, b)); }
-
-void describeContact(const Pair& pair, Truth& truth) {
-  const oracle::FirstTouch& touch = truth.first;
-  const bool round = pair.a().parts[touch.part_a].count == 0 && pair.b().parts[touch.part_b].count == 0;
-  const Real before = (round ? 1e-5L : 1e-8L) * pair.scale() / std::max(pair.maxSpeed(), 1e-300L);
-  V3 earlier;
-  if (approachNormal(pair, touch, before, &truth.normal) &&
-      approachNormal(pair, touch, 10 * before, &earlier)) {
-    truth.normal_spread = 3 * angleBetween(truth.normal, earlier) + 1e-9L;
-    truth.normal_known = truth.normal_spread < 1e-3L;
-  }
-  const auto near = pair.within(touch.lo, 1e-10L * pair.scale());
-  if (near.empty()) return;
-  truth.point = 0.5L * (near[0].gap.a + near[0].gap.b);
-  Real spread = 0;
-  for (const auto& n : near) {
-    spread = std::max({spread, norm(n.gap.a - truth.point), norm(n.gap.b - truth.point)});
-  }
-  truth.point_known = spread <= 1e-9L * pair.scale();
-  const oracle::Frame fa = pair.pathA().at(touch.lo), fb = pair.pathB().at(touch.lo);
-  truth.closing_speed = -dot(fb.velocityAt(truth.point) - fa.velocityAt(truth.point), truth.normal);
-}
-
 std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
 std::string text(const char* format, ...) {
   char buffer[400];
@@ -65,38 +28,6 @@ std::string text(const char* format, ...) {
   va_end(arguments);
   return buffer;
 }
-
-}  // namespace
-
-Truth truthOf(const Case& c, const Pair& pair) {
-  Truth truth;
-  truth.budget = 1e-12L * pair.scale();
-  const Real start = pair.distance(0);
-  truth.overlaps_at_start = start == 0;
-  truth.apart_at_start = start > truth.budget;
-  if (!truth.apart_at_start) return truth;
-
-  Real smaller = std::min(pair.a().reach, pair.b().reach);
-  if (smaller == 0) smaller = pair.size();
-  const Real margin = std::max(1e-6L * smaller, 1e3L * truth.budget);
-  const oracle::FirstTouch near = pair.firstTouch(0, pair.duration(), margin, kMarchSteps);
-  truth.well_apart = !near.found && !near.gave_up;
-  if (truth.well_apart) return truth;
-  truth.first = pair.firstTouch(near.lo, pair.duration(), 0, kMarchSteps);
-  if (!truth.first.found || !truth.first.verified || truth.first.part_a < 0) return truth;
-
-  describeContact(pair, truth);
-  const Real v = truth.closing_speed;
-  if (!truth.normal_known || !(v > 0)) return truth;
-  truth.width = std::max<Real>(c.options.time_precision, 8 * truth.budget / v);
-  const bool steep = v * v >= 100 * pair.maxAcceleration() * truth.budget && v >= 1e-6L * pair.maxSpeed();
-  const bool inner = truth.first.lo > truth.width && truth.first.hi + 2 * truth.width < pair.duration();
-  const bool lasts = pair.crossesInNoTime() || (inner && pair.touching(truth.first.hi + truth.width));
-  truth.transversal = steep && inner && lasts;
-  return truth;
-}
-
-namespace {
 
 /// One run of a method on a case, and the complaints about it.
 class Examination {
@@ -232,9 +163,13 @@ class Examination {
       point_checked_ = true;
       const Real off = norm(position - truth_.point);
       // The oracle's own point is as good as its bracket and the spread of its witnesses.
-      const bool round =
-          pair_.a().parts[truth_.first.part_a].count == 0 && pair_.b().parts[truth_.first.part_b].count == 0;
-      const Real own = (round ? 1e-6L : 1e-13L) * pair_.scale();
+      const Real own = (pair_.hasTwoCylinders() ? 1e-6L : 1e-13L) * pair_.scale();
+      // While two round bodies overlap by speed times bracket, they do so over the square root of that.
+      const Real overlap = pair_.maxSpeed() * std::max(width, truth_.width);
+      const Real largest = 1e-6L + 1e-4L * pair_.size() + 100 * overlap +
+                           3 * std::sqrt(pair_.size() * overlap) + 1e-14L * norm(origin);
+      if (truth_.point_sharp && e.position_error > largest)
+        complain("position_error %.6g m of a sharp contact, size %.6Lg m", e.position_error, pair_.size());
       if (off > e.position_error + own)
         complain("contact point off by %.6Lg m, position_error %.6g m", off, e.position_error);
     }
@@ -359,7 +294,7 @@ class Examination {
     const Real width = std::max<Real>(case_.options.time_precision, 8 * truth_.budget / std::max(v, 1e-300L));
     const bool steep =
         v > 1e-4L * pair_.maxSpeed() && v * v >= 1e4L * pair_.maxAcceleration() * truth_.budget;
-    if (steep && upper - lower > 2 * width) {
+    if (steep && upper - lower > width * (1 + 1e-3L)) {
       complain("SEPARATION bracket of %.6Lg s at a steep parting (%.3Lg m/s), W is %.6Lg s", upper - lower, v,
                width);
     }

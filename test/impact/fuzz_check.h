@@ -5,29 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "test/impact/fuzz_case.h"
+#include "test/impact/fuzz_truth.h"
 
 namespace fuzz {
-
-/// What the oracle knows about a case.
-struct Truth {
-  oracle::Real budget = 0;  ///< [m] "near rounding" in this test: 1e-12 of (size + path)
-  bool overlaps_at_start = false;
-  bool apart_at_start = false;  ///< by more than the budget; neither: too near to say
-  bool well_apart = false;      ///< always farther than 1e-6 of the smaller body
-  oracle::FirstTouch first;     ///< when apart at the start
-  bool transversal =
-      false;  ///< the first contact is neither grazing nor near rounding nor at the piece's ends
-  oracle::Real closing_speed = 0;  ///< [m/s] along the normal, at the first contact
-  oracle::Real width = 0;          ///< [s] W of the first contact
-  bool point_known = false;        ///< one point only
-  oracle::V3 point;                ///< relative to a's first position
-  bool normal_known = false;
-  oracle::V3 normal;               ///< from a to b
-  oracle::Real normal_spread = 0;  ///< [rad] how far the oracle's own normal is to be trusted
-};
-
-Truth truthOf(const Case& c, const oracle::Pair& pair);
 
 /// Sums over a run, for the printed summary.
 struct Tally {

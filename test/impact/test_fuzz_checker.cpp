@@ -21,7 +21,7 @@ using oracle::Real;
 using oracle::V3;
 
 constexpr std::uint64_t kSeed = 424242;
-constexpr int kCases = 60;
+constexpr int kCases = 40;
 
 class Stub : public impact::PairMethod {
  public:
