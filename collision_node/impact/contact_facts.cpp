@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/impact/gap_model.h"
 #include "collision_node/impact/polygon.h"
 
 namespace collision_node::impact {
@@ -160,6 +161,26 @@ double directionError(const PairPiece& piece, const Cores& cores, const Closest&
   return 64.0 * piece.point_error / gap;
 }
 
+/// Is one side's part in the closest points a single vertex, and too far ahead of its other vertices to lose that
+/// while everything moves by `moved` and the normal by `lean`? Then that side is as good as a point.
+bool staysOneVertex(const Cores& cores, const Closest& closest, bool side_a, const Vec3& n, double gap, double moved,
+                    double lean) {
+  const PosedCore& core = side_a ? cores.a : cores.b;
+  if (core.element->vertices == nullptr) return false;
+  const Vec3 held = side_a ? closest.point[0].local_a : closest.point[0].local_b;
+  for (int i = 1; i < closest.count; ++i) {
+    if ((side_a ? closest.point[i].local_a : closest.point[i].local_b) != held) return false;
+  }
+  const double sign = side_a ? -1.0 : 1.0;
+  for (int i = 0; i < core.element->count; ++i) {
+    const Vec3& v = core.element->vertices[i];
+    if (v == held) continue;
+    const Vec3 e = *core.rotation * (v - held);
+    if (!(sign * n.dot(e) > 4.0 * moved + e.norm() * lean + std::max(0.0, closest.v.norm() - gap))) return false;
+  }
+  return true;
+}
+
 /// The side's identity and witness, from a point of the contact in world axes relative to A's origin.
 Side sideOf(const PosedCore& core, const Vec3& point, Feature feature) {
   Side side;
@@ -217,6 +238,19 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
     for (int i = 0; i < closest.count; ++i) witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
     return describeOverlap(piece, now, witness);
   }
+  if (radius == 0.0) {  // the best of the features' own normals, where closest points no longer tell
+    const auto gapAlong = [&](const Vec3& n) {
+      return n.dot(cores.b.place(cores.b.supportLocal(-n))) - n.dot(cores.a.place(cores.a.supportLocal(n)));
+    };
+    double best = gapAlong(axis.direction);
+    for (const Axis& other : featureAxes(piece, now, ea, eb)) {
+      const double found = gapAlong(other.direction);
+      if (found > best) {
+        best = found;
+        axis = other;
+      }
+    }
+  }
   const Vec3 n = axis.direction.normalized();
   const Vec3 e1 = n.unitOrthogonal(), e2 = n.cross(e1);
   const double turned = (m.spinA() + m.spinB()) * span;
@@ -236,8 +270,9 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
                                      2.0 * moved + std::max(0.0, top_a - low_b));
   if (radius > 0.0 && gap > 2.0 * moved) {
     // A single point's closest vector moves at most twice as far as the point does in the other's frame.
-    const bool single = (ea.count == 1 && ea.vertices != nullptr) || (eb.count == 1 && eb.vertices != nullptr);
     const double lean = std::asin(std::min(1.0, 2.0 * moved / gap)) + directionError(piece, cores, closest, gap);
+    const bool single = staysOneVertex(cores, closest, true, n, low_b - top_a, moved, lean + turned) ||
+                        staysOneVertex(cores, closest, false, n, low_b - top_a, moved, lean + turned);
     const double any = std::acos((gap - moved) / (closest.v.norm() + moved));
     cone = std::min({cone, single ? lean : M_PI, any});
   }

@@ -7,7 +7,7 @@
 namespace collision_node::impact {
 namespace {
 
-constexpr std::size_t kMaxWrapPoints = 48;
+constexpr std::size_t kMaxWrapPoints = 96;
 
 /// The relative position of a material point pair at another instant.
 Vec3 differenceAt(const Instant& now, const SupportPair& p) { return now.d + now.rb * p.local_b - now.ra * p.local_a; }
@@ -47,48 +47,73 @@ bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, c
   return true;
 }
 
-/// Every directed edge once, its reverse once: the premise of the winding argument.
-bool isClosed(const Wrap& wrap) {
-  for (const auto& f : wrap.faces) {
-    for (int k = 0; k < 3; ++k) {
-      int same = 0, reverse = 0;
-      for (const auto& g : wrap.faces) {
-        for (int l = 0; l < 3; ++l) {
-          same += g[l] == f[k] && g[(l + 1) % 3] == f[(k + 1) % 3];
-          reverse += g[l] == f[(k + 1) % 3] && g[(l + 1) % 3] == f[k];
-        }
-      }
-      if (same != 1 || reverse != 1) return false;
-    }
-  }
-  return !wrap.faces.empty();
-}
+/// A wrap under construction: faces with their planes, and which face owns each directed edge.
+class WrapBuilder {
+ public:
+  WrapBuilder(const Cores& cores, Wrap& wrap) : cores_(cores), wrap_(wrap), owner_(kMaxWrapPoints * kMaxWrapPoints, -1) {}
 
-struct Face {
-  Vec3 normal;     ///< unit, outward
-  double depth;    ///< signed distance of the origin inside its plane
+  bool build(double depth);
+
+ private:
+  struct Face {
+    Vec3 normal;   ///< unit, outward
+    double depth;  ///< signed distance of the origin inside its plane
+  };
+
+  bool firstTetrahedron();
+  bool addPoint(const SupportPair& point, std::size_t seed);
+  bool isClosed() const;
+  void addFace(int a, int b, int c);
+  std::int16_t& owner(int from, int to) { return owner_[from * kMaxWrapPoints + to]; }
+
+  const Cores& cores_;
+  Wrap& wrap_;
+  std::vector<Face> planes_;
+  std::vector<std::int16_t> owner_;
 };
 
-Face faceOf(const Wrap& wrap, const std::array<int, 3>& f) {
-  const Vec3 &a = wrap.points[f[0]].w, &b = wrap.points[f[1]].w, &c = wrap.points[f[2]].w;
-  const Vec3 n = (b - a).cross(c - a);
+void WrapBuilder::addFace(int a, int b, int c) {
+  const Vec3 &pa = wrap_.points[a].w, &pb = wrap_.points[b].w, &pc = wrap_.points[c].w;
+  const Vec3 n = (pb - pa).cross(pc - pa);
   const double length = n.norm();
-  if (!(length > 0.0)) return {Vec3::Zero(), std::numeric_limits<double>::infinity()};
-  const Vec3 unit = n / length;
-  return {unit, unit.dot(a)};
+  const int id = static_cast<int>(wrap_.faces.size());
+  wrap_.faces.push_back({a, b, c});
+  planes_.push_back(length > 0.0 ? Face{n / length, n.dot(pa) / length}
+                                 : Face{Vec3::Zero(), std::numeric_limits<double>::infinity()});
+  owner(a, b) = owner(b, c) = owner(c, a) = static_cast<std::int16_t>(id);
+}
+
+/// Every directed edge once, its reverse once: the premise of the winding argument.
+bool WrapBuilder::isClosed() const {
+  std::vector<char> edges(wrap_.points.size() * wrap_.points.size(), 0);
+  const auto at = [&](int from, int to) { return static_cast<std::size_t>(from) * wrap_.points.size() + to; };
+  for (const auto& f : wrap_.faces) {
+    for (int k = 0; k < 3; ++k) {
+      char& edge = edges[at(f[k], f[(k + 1) % 3])];
+      if (edge != 0) return false;
+      edge = 1;
+    }
+  }
+  for (const auto& f : wrap_.faces) {
+    for (int k = 0; k < 3; ++k) {
+      if (edges[at(f[(k + 1) % 3], f[k])] == 0) return false;
+    }
+  }
+  return !wrap_.faces.empty();
 }
 
 /// A first tetrahedron: farthest points along, across and above one another.
-bool firstTetrahedron(const Cores& cores, Wrap& wrap) {
+bool WrapBuilder::firstTetrahedron() {
+  auto& points = wrap_.points;
   const auto add = [&](const Vec3& direction) {
-    wrap.points.push_back(cores.support(direction));
-    return wrap.points.back().w;
+    points.push_back(cores_.support(direction));
+    return points.back().w;
   };
   Vec3 first = add(Vec3(1.0, 0.3, 0.2));
   Vec3 second = add(-first);
   Vec3 edge = second - first;
   if (!(edge.norm() > 0.0)) {
-    wrap.points.pop_back();
+    points.pop_back();
     second = add(Vec3(-1.0, -0.3, -0.2));
     edge = second - first;
   }
@@ -104,7 +129,7 @@ bool firstTetrahedron(const Cores& cores, Wrap& wrap) {
   Vec3 normal = edge.cross(third - first);
   if (!(normal.norm() > 1e-12 * size * size)) {
     for (const Vec3& other : {Vec3(-side), Vec3(edge.cross(side)), Vec3(-edge.cross(side))}) {
-      wrap.points.pop_back();
+      points.pop_back();
       third = add(other);
       normal = edge.cross(third - first);
       if (normal.norm() > 1e-12 * size * size) break;
@@ -115,66 +140,87 @@ bool firstTetrahedron(const Cores& cores, Wrap& wrap) {
   Vec3 fourth = add(normal);
   double height = normal.normalized().dot(fourth - first);
   if (!(std::abs(height) > 0.0)) {
-    wrap.points.pop_back();
+    points.pop_back();
     fourth = add(-normal);
     height = normal.normalized().dot(fourth - first);
   }
   if (!(std::abs(height) > 0.0)) return false;
   const bool flip = det(second - first, third - first, fourth - first) > 0.0;
-  // outward faces of the tetrahedron 0 1 2 3
-  if (flip) {
-    wrap.faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-  } else {
-    wrap.faces = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
-  }
+  if (flip) std::swap(points[1], points[2]);
+  addFace(0, 1, 2);
+  addFace(0, 3, 1);
+  addFace(1, 3, 2);
+  addFace(2, 3, 0);
   return true;
 }
 
-/// Replaces what `w` sees by a cone over the horizon.
-bool addPoint(Wrap& wrap, const SupportPair& point, std::size_t seed) {
-  const int id = static_cast<int>(wrap.points.size());
-  std::vector<char> seen(wrap.faces.size(), 0);
-  std::vector<std::size_t> stack = {seed};
+/// Replaces the faces that see `point` by a cone over their horizon.
+bool WrapBuilder::addPoint(const SupportPair& point, std::size_t seed) {
+  std::vector<char> seen(wrap_.faces.size(), 0);
+  std::vector<int> stack = {static_cast<int>(seed)};
   seen[seed] = 1;
-  std::vector<std::array<int, 3>> cone;
   while (!stack.empty()) {
-    const auto f = wrap.faces[stack.back()];
+    const auto f = wrap_.faces[stack.back()];
     stack.pop_back();
     for (int k = 0; k < 3; ++k) {
-      const int from = f[k], to = f[(k + 1) % 3];
-      std::size_t other = wrap.faces.size();
-      for (std::size_t g = 0; g < wrap.faces.size() && other == wrap.faces.size(); ++g) {
-        for (int l = 0; l < 3; ++l) {
-          if (wrap.faces[g][l] == to && wrap.faces[g][(l + 1) % 3] == from) other = g;
-        }
-      }
-      if (other == wrap.faces.size()) return false;
-      if (seen[other] == 1) continue;
-      const Face plane = faceOf(wrap, wrap.faces[other]);
-      if (plane.normal.dot(point.w - wrap.points[wrap.faces[other][0]].w) > 0.0) {
+      const int other = owner(f[(k + 1) % 3], f[k]);
+      if (other < 0) return false;
+      if (seen[other] != 0) continue;
+      if (planes_[other].normal.dot(point.w - wrap_.points[wrap_.faces[other][0]].w) > 0.0) {
         seen[other] = 1;
         stack.push_back(other);
-      } else {
-        cone.push_back({from, to, id});
       }
     }
   }
-  // A face first met across a hidden edge may have been seen later: its horizon edges are then inside.
-  std::vector<std::array<int, 3>> faces;
-  for (std::size_t g = 0; g < wrap.faces.size(); ++g) {
-    if (!seen[g]) faces.push_back(wrap.faces[g]);
-  }
-  for (const auto& c : cone) {
-    bool inner = false;
-    for (std::size_t g = 0; g < wrap.faces.size() && !inner; ++g) {
-      if (!seen[g]) continue;
-      for (int l = 0; l < 3; ++l) inner |= wrap.faces[g][l] == c[1] && wrap.faces[g][(l + 1) % 3] == c[0];
+  std::vector<std::array<int, 2>> horizon;
+  for (std::size_t g = 0; g < wrap_.faces.size(); ++g) {
+    if (seen[g] == 0) continue;
+    for (int k = 0; k < 3; ++k) {
+      const int from = wrap_.faces[g][k], to = wrap_.faces[g][(k + 1) % 3];
+      if (seen[owner(to, from)] == 0) horizon.push_back({from, to});
     }
-    if (!inner) faces.push_back(c);
   }
-  wrap.points.push_back(point);
-  wrap.faces.swap(faces);
+  std::vector<std::array<int, 3>> kept;
+  for (std::size_t g = 0; g < wrap_.faces.size(); ++g) {
+    const auto& f = wrap_.faces[g];
+    for (int k = 0; k < 3; ++k) owner(f[k], f[(k + 1) % 3]) = -1;
+    if (seen[g] == 0) kept.push_back(f);
+  }
+  const int id = static_cast<int>(wrap_.points.size());
+  wrap_.points.push_back(point);
+  wrap_.faces.clear();
+  std::vector<Face> planes;
+  for (std::size_t g = 0; g < planes_.size(); ++g) {
+    if (seen[g] == 0) planes.push_back(planes_[g]);
+  }
+  planes_.swap(planes);
+  for (const auto& f : kept) {
+    const int face = static_cast<int>(wrap_.faces.size());
+    wrap_.faces.push_back(f);
+    for (int k = 0; k < 3; ++k) owner(f[k], f[(k + 1) % 3]) = static_cast<std::int16_t>(face);
+  }
+  for (const auto& edge : horizon) addFace(edge[0], edge[1], id);
   return true;
+}
+
+bool WrapBuilder::build(double depth) {
+  wrap_.points.clear();
+  wrap_.faces.clear();
+  if (!firstTetrahedron()) return false;
+  while (wrap_.points.size() < kMaxWrapPoints) {
+    std::size_t worst = 0;
+    for (std::size_t f = 1; f < planes_.size(); ++f) {
+      if (planes_[f].depth < planes_[worst].depth) worst = f;
+    }
+    const Face nearest = planes_[worst];
+    if (nearest.depth >= depth) return isClosed();
+    const SupportPair next = cores_.support(nearest.normal);
+    const double reach = nearest.normal.dot(next.w);
+    // The support plane bounds the depth of the whole difference from above.
+    if (reach < depth || !(reach > nearest.depth)) return false;
+    if (!addPoint(next, worst)) return false;
+  }
+  return false;
 }
 
 /// |sum of weight_i w_i| control points of a linear blend between two instants, each within `limit`?
@@ -192,30 +238,7 @@ bool closeThrough(const Instant& from, const Instant& to, const Closest& first, 
 
 }  // namespace
 
-bool buildWrap(const Cores& cores, double depth, Wrap& wrap) {
-  wrap.points.clear();
-  wrap.faces.clear();
-  if (!firstTetrahedron(cores, wrap)) return false;
-  while (wrap.points.size() < kMaxWrapPoints) {
-    std::size_t worst = 0;
-    Face nearest{Vec3::Zero(), std::numeric_limits<double>::infinity()};
-    for (std::size_t f = 0; f < wrap.faces.size(); ++f) {
-      const Face face = faceOf(wrap, wrap.faces[f]);
-      if (face.depth < nearest.depth) {
-        nearest = face;
-        worst = f;
-      }
-    }
-    if (nearest.depth >= depth) return isClosed(wrap);
-    const SupportPair next = cores.support(nearest.normal);
-    const double reach = nearest.normal.dot(next.w);
-    // The support plane bounds the depth of the whole difference from above.
-    if (reach < depth) return false;
-    if (!(reach > nearest.depth)) return false;
-    if (!addPoint(wrap, next, worst)) return false;
-  }
-  return false;
-}
+bool buildWrap(const Cores& cores, double depth, Wrap& wrap) { return WrapBuilder(cores, wrap).build(depth); }
 
 bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Closest& closest,
                ContactWitness& witness) {

@@ -136,25 +136,67 @@ Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, 
   return axis;
 }
 
+namespace {
+
+/// Collects both directions of n, made unit, with n's rate kept across it.
+void addBothWays(std::vector<Axis>& axes, const Vec3& n, const Vec3& n_rate, double scale) {
+  const double length = n.norm();
+  if (!(length > 1e-14 * scale)) return;
+  for (const double sign : {1.0, -1.0}) {
+    Axis axis;
+    axis.direction = n * (sign / length);
+    axis.rate = (n_rate - n * (n.dot(n_rate) / (length * length))) * (sign / length);
+    axis.valid = true;
+    axes.push_back(axis);
+  }
+}
+
+/// Axis, side normals through the other's vertices, and normals of the axis with the other's edges.
+void addCylinderAxes(std::vector<Axis>& axes, const Element& cylinder, const Mat3& rotation, const Vec3& origin,
+                     const Vec3& omega, const Element& other, const Mat3& other_rotation, const Vec3& other_origin,
+                     const Vec3& other_omega) {
+  const Vec3 axis = rotation * cylinder.axis;
+  addBothWays(axes, axis, omega.cross(axis), 1.0);
+  if (other.vertices == nullptr) {
+    const Vec3 second = other_rotation * other.axis;
+    addBothWays(axes, axis.cross(second), omega.cross(axis).cross(second) + axis.cross(other_omega.cross(second)), 1.0);
+    return;
+  }
+  if (other.count > 8) return;
+  const Vec3 centre = origin + rotation * cylinder.centre;
+  for (int i = 0; i < other.count; ++i) {
+    const Vec3 x = other_origin + other_rotation * other.vertices[i] - centre;
+    const Vec3 across = x - axis * axis.dot(x);
+    addBothWays(axes, across, omega.cross(across), x.norm());
+    for (int j = 0; j < i; ++j) {
+      const Vec3 edge = other_rotation * (other.vertices[i] - other.vertices[j]);
+      addBothWays(axes, axis.cross(edge), omega.cross(axis).cross(edge) + axis.cross(other_omega.cross(edge)),
+                  edge.norm());
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b) {
   std::vector<Axis> axes;
-  if (a.vertices == nullptr || b.vertices == nullptr || a.count > 3 || b.count > 3) return axes;
+  if (a.vertices == nullptr || b.vertices == nullptr) {
+    const RelativeMotion& motion = piece.motion;
+    if (a.vertices == nullptr) {
+      addCylinderAxes(axes, a, now.ra, Vec3::Zero(), motion.omegaA(), b, now.rb, now.d, motion.omegaB());
+    }
+    if (b.vertices == nullptr) {
+      addCylinderAxes(axes, b, now.rb, now.d, motion.omegaB(), a, now.ra, Vec3::Zero(), motion.omegaA());
+    }
+    return axes;
+  }
+  if (a.count > 3 || b.count > 3) return axes;
   const RelativeMotion& m = piece.motion;
   Vec3 edges_a[3], edges_b[3];
   const int count_a = a.count == 3 ? 3 : a.count - 1, count_b = b.count == 3 ? 3 : b.count - 1;
   for (int i = 0; i < count_a; ++i) edges_a[i] = now.ra * (a.vertices[(i + 1) % a.count] - a.vertices[i]);
   for (int j = 0; j < count_b; ++j) edges_b[j] = now.rb * (b.vertices[(j + 1) % b.count] - b.vertices[j]);
-  const auto add = [&](const Vec3& n, const Vec3& n_rate, double scale) {
-    const double length = n.norm();
-    if (!(length > 1e-14 * scale)) return;
-    for (const double sign : {1.0, -1.0}) {
-      Axis axis;
-      axis.direction = n * (sign / length);
-      axis.rate = (n_rate - n * (n.dot(n_rate) / (length * length))) * (sign / length);
-      axis.valid = true;
-      axes.push_back(axis);
-    }
-  };
+  const auto add = [&](const Vec3& n, const Vec3& n_rate, double scale) { addBothWays(axes, n, n_rate, scale); };
   if (count_a == 3) {
     const Vec3 n = edges_a[0].cross(edges_a[1]);
     add(n, m.omegaA().cross(n), edges_a[0].norm() * edges_a[1].norm());

@@ -44,8 +44,9 @@ class GapModel {
 /// The axis through the closest points, turning with the features that hold them; invalid when the cores overlap.
 Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, bool rounded);
 
-/// Normals of faces and of edge pairs for two triangles (separating axis theorem), turning with their features; for
-/// the last few budgets before a contact, where closest points no longer tell a direction. Empty for other elements.
+/// Normals of faces and of edge pairs for two triangles (separating axis theorem), axis, rim and side normals where a
+/// cylinder takes part, all turning with their features; for the last few budgets before a contact, where closest
+/// points no longer tell a direction. Empty for other elements.
 std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b);
 
 /// See the guarantee above; at most `span`. `gap_now` receives the proved gap at s = 0 (<= 0: none).
