@@ -25,8 +25,8 @@ Triangles box(const Vec3& lower, const Vec3& upper) {
     return Vec3(i & 1 ? upper.x() : lower.x(), i & 2 ? upper.y() : lower.y(), i & 4 ? upper.z() : lower.z());
   };
   Triangles out;
-  for (const auto& f : {std::array<int, 4>{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2},
-                        {1, 3, 7, 5}})
+  for (const auto& f :
+       {std::array<int, 4>{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}})
     quad(out, corner(f[0]), corner(f[1]), corner(f[2]), corner(f[3]));
   return out;
 }
@@ -40,7 +40,8 @@ Triangles revolve(const std::vector<std::pair<double, double>>& profile) {
   Triangles out;
   for (std::size_t row = 0; row + 1 < profile.size(); ++row)
     for (int i = 0; i < kSegments; ++i)
-      quad(out, at(profile[row], i), at(profile[row + 1], i), at(profile[row + 1], i + 1), at(profile[row], i + 1));
+      quad(out, at(profile[row], i), at(profile[row + 1], i), at(profile[row + 1], i + 1),
+           at(profile[row], i + 1));
   return out;
 }
 
@@ -51,7 +52,8 @@ Triangles capsule(double radius, double length) {
   for (int cap = 0; cap < 2; ++cap)
     for (int row = 0; row <= rows; ++row) {
       const double angle = 0.5 * kPi * (cap + static_cast<double>(row) / rows);
-      profile.emplace_back(radius * std::sin(angle), radius * std::cos(angle) + (cap == 0 ? 0.5 : -0.5) * length);
+      profile.emplace_back(radius * std::sin(angle),
+                           radius * std::cos(angle) + (cap == 0 ? 0.5 : -0.5) * length);
     }
   return revolve(profile);
 }
@@ -64,7 +66,8 @@ struct Draw {
     for (const Vec3& top : {z, Vec3(-z)})
       for (const auto& side : {std::pair{x, y}, {y, Vec3(-x)}, {Vec3(-x), Vec3(-y)}, {Vec3(-y), x}}) {
         const bool up = top.z() > 0;
-        for (const Vec3& v : {top, up ? side.first : side.second, up ? side.second : side.first}) out.push_back(v);
+        for (const Vec3& v : {top, up ? side.first : side.second, up ? side.second : side.first})
+          out.push_back(v);
       }
     return out;
   }

@@ -57,7 +57,8 @@ scene::EventSide fromSide(const ImpactSide& side) {
 }  // namespace
 
 ros::Time toTime(Nanoseconds ns) {
-  const Nanoseconds last = (static_cast<Nanoseconds>(std::numeric_limits<std::uint32_t>::max()) + 1) * kSecond - 1;
+  const Nanoseconds last =
+      (static_cast<Nanoseconds>(std::numeric_limits<std::uint32_t>::max()) + 1) * kSecond - 1;
   const Nanoseconds kept = std::clamp<Nanoseconds>(ns, 0, last);
   return {static_cast<std::uint32_t>(kept / kSecond), static_cast<std::uint32_t>(kept % kSecond)};
 }

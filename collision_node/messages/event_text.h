@@ -7,8 +7,9 @@
 
 namespace collision_node::messages {
 
-/// One line, no newline at its end. Times are integer nanoseconds; kinds, certificates, reasons and features are
-/// strings; doubles are the shortest text that reads back to the same double; NaN and infinities are null.
+/// One line, no newline at its end. Times are integer nanoseconds; kinds, certificates, reasons and features
+/// are strings; doubles are the shortest text that reads back to the same double; NaN and infinities are
+/// null.
 std::string toJson(const scene::Event& event, const std::string& world_frame);
 
 /// Column names, dotted ("position.x"), comma separated, no newline at the end.

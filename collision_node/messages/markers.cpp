@@ -27,9 +27,12 @@ std_msgs::ColorRGBA colourOf(const scene::Event& event) {
   if (event.certificate == impact::Certificate::kPossible) return colour(1.0F, 0.6F, 0.0F, 1.0F);
   if (event.certificate == impact::Certificate::kUncertified) return colour(1.0F, 0.0F, 1.0F, 1.0F);
   switch (event.kind) {
-    case impact::Kind::kImpact: return colour(1.0F, 0.0F, 0.0F, 1.0F);
-    case impact::Kind::kSeparation: return colour(0.1F, 0.3F, 1.0F, 1.0F);
-    case impact::Kind::kInitialOverlap: return colour(1.0F, 1.0F, 0.0F, 1.0F);
+    case impact::Kind::kImpact:
+      return colour(1.0F, 0.0F, 0.0F, 1.0F);
+    case impact::Kind::kSeparation:
+      return colour(0.1F, 0.3F, 1.0F, 1.0F);
+    case impact::Kind::kInitialOverlap:
+      return colour(1.0F, 1.0F, 0.0F, 1.0F);
   }
   return colour(1.0F, 1.0F, 1.0F, 1.0F);
 }
@@ -175,7 +178,8 @@ Markers::Array Markers::event(const scene::Event& event) {
 
   if (event.normal.allFinite() && event.normal.squaredNorm() > 0.0) {
     Marker normal = marker(kEventSpaces[1], id, Marker::ARROW, frame);
-    normal.points = {toPoint(event.position), toPoint(event.position + 4.0 * options_.min_size * event.normal)};
+    normal.points = {toPoint(event.position),
+                     toPoint(event.position + 4.0 * options_.min_size * event.normal)};
     setScale(normal, 0.2 * options_.min_size, 0.5 * options_.min_size, 0.6 * options_.min_size);
     normal.color = paint;
     add(normal);

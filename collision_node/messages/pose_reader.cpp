@@ -23,7 +23,8 @@ const char* const kSupported =
 StampedPose stamped(const std_msgs::Header& header, const geometry_msgs::Pose& pose,
                     const std::string& world_frame) {
   if (withoutSlash(header.frame_id) != withoutSlash(world_frame))
-    throw PoseError("header.frame_id is '" + header.frame_id + "', the scene's world_frame is '" + world_frame +
+    throw PoseError("header.frame_id is '" + header.frame_id + "', the scene's world_frame is '" +
+                    world_frame +
                     "': poses must be given in world_frame (set it in the scene, or use pose: {tf: frame})");
   StampedPose out;
   out.stamp_ns = toNanoseconds(header.stamp);
@@ -40,7 +41,8 @@ StampedPose read(const geometry_msgs::PoseWithCovarianceStamped& m, const PoseSo
   return stamped(m.header, m.pose.pose, world_frame);
 }
 
-StampedPose read(const geometry_msgs::TransformStamped& m, const PoseSource&, const std::string& world_frame) {
+StampedPose read(const geometry_msgs::TransformStamped& m, const PoseSource&,
+                 const std::string& world_frame) {
   geometry_msgs::Pose pose;
   pose.position.x = m.transform.translation.x;
   pose.position.y = m.transform.translation.y;
@@ -63,7 +65,8 @@ StampedPose read(const nav_msgs::Odometry& m, const PoseSource&, const std::stri
   return out;
 }
 
-StampedPose read(const geometry_msgs::PoseArray& m, const PoseSource& source, const std::string& world_frame) {
+StampedPose read(const geometry_msgs::PoseArray& m, const PoseSource& source,
+                 const std::string& world_frame) {
   if (source.index < 0 || static_cast<std::size_t>(source.index) >= m.poses.size())
     throw PoseError("index " + std::to_string(source.index) + " is beyond a PoseArray of " +
                     std::to_string(m.poses.size()) + " poses");
@@ -91,7 +94,8 @@ void checkPoseType(const std::string& datatype, const std::string& md5sum, const
                       ": recorded or sent with another version of the message");
     return true;
   });
-  if (!known) throw PoseError("type " + datatype + " carries no pose that can be read; supported: " + kSupported);
+  if (!known)
+    throw PoseError("type " + datatype + " carries no pose that can be read; supported: " + kSupported);
   if (datatype == ros::message_traits::datatype<geometry_msgs::PoseArray>() && source.index < 0)
     throw PoseError("type geometry_msgs/PoseArray needs `index` beside the topic in the scene");
 }

@@ -18,19 +18,21 @@ struct RawMessage {
   std::uint32_t size = 0;
 };
 
-/// An input that cannot be used as it is; what() is one line that names what is wrong and what would be right.
+/// An input that cannot be used as it is; what() is one line that names what is wrong and what would be
+/// right.
 struct PoseError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Throws PoseError when messages of this type cannot feed `source`: unknown type, another version of a known one,
-/// a PoseArray without `index`.
+/// Throws PoseError when messages of this type cannot feed `source`: unknown type, another version of a known
+/// one, a PoseArray without `index`.
 void checkPoseType(const std::string& datatype, const std::string& md5sum, const scene::PoseSource& source);
 
 /// The pose in `message`, numbers as sent: nothing is checked or normalised (the engine counts bad poses).
 /// Supported: PoseStamped, PoseWithCovarianceStamped, TransformStamped, Odometry (its twist turned out of
 /// child_frame_id into world axes; the child frame is taken to be the object's), PoseArray by index.
-/// Throws PoseError: as checkPoseType; header.frame_id is not `world_frame`; index beyond the array; cut short.
+/// Throws PoseError: as checkPoseType; header.frame_id is not `world_frame`; index beyond the array; cut
+/// short.
 motion::StampedPose readPose(const RawMessage& message, const scene::PoseSource& source,
                              const std::string& world_frame);
 

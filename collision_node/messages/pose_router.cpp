@@ -25,7 +25,8 @@ PoseRouter::PoseRouter(std::shared_ptr<const scene::Scene> scene, const ResolveT
     const scene::Object& object = scene_->objects[i];
     const int index = static_cast<int>(i);
     if (object.links_move)
-      throw PoseError("object '" + object.name + "': links: true is not available yet; list the links as objects");
+      throw PoseError("object '" + object.name +
+                      "': links: true is not available yet; list the links as objects");
     switch (object.source.type) {
       case scene::PoseSource::Type::kFixed:
         break;
@@ -35,7 +36,8 @@ PoseRouter::PoseRouter(std::shared_ptr<const scene::Scene> scene, const ResolveT
         break;
       case scene::PoseSource::Type::kTopic: {
         if (!object.source.model.empty() || !object.source.link.empty())
-          throw PoseError("object '" + object.name + "': gazebo states (model, link) are not available yet; topic " +
+          throw PoseError("object '" + object.name +
+                          "': gazebo states (model, link) are not available yet; topic " +
                           object.source.topic);
         const std::string topic = resolve(object.source.topic);
         if (isTf(topic))
@@ -53,7 +55,8 @@ PoseRouter::PoseRouter(std::shared_ptr<const scene::Scene> scene, const ResolveT
   }
 }
 
-void PoseRouter::checkType(const std::string& topic, const std::string& datatype, const std::string& md5sum) const {
+void PoseRouter::checkType(const std::string& topic, const std::string& datatype,
+                           const std::string& md5sum) const {
   if (isTf(topic)) {
     // tf/tfMessage and tf2_msgs/TFMessage are the same bytes.
     if (md5sum != ros::message_traits::md5sum<tf2_msgs::TFMessage>())

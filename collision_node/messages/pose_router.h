@@ -30,8 +30,8 @@ class PoseRouter {
   /// Throws PoseError, with topic and type, when messages of this type cannot be used on `topic`.
   void checkType(const std::string& topic, const std::string& datatype, const std::string& md5sum) const;
 
-  /// Hands every pose in the message to the sink. Throws PoseError with topic and object after all that can be used
-  /// has been used.
+  /// Hands every pose in the message to the sink. Throws PoseError with topic and object after all that can
+  /// be used has been used.
   void handle(const std::string& topic, const RawMessage& message);
 
   const TfTree& tf() const { return tf_; }

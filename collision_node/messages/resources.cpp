@@ -39,7 +39,8 @@ scene::Resources makeResources(const std::string& scene_file,
     return enclosing.empty() ? ros::package::getPath(package) : enclosing;
   };
   resources.parameter = parameter ? std::move(parameter) : [](const std::string& name) -> std::string {
-    throw std::runtime_error("parameter '" + name + "': no parameter server here; give `urdf:` a file instead");
+    throw std::runtime_error("parameter '" + name +
+                             "': no parameter server here; give `urdf:` a file instead");
   };
   return resources;
 }

@@ -91,7 +91,8 @@ void TfTree::emit(const Follower& follower, const Sample& sample) const {
     Pose pose;
     for (const auto& child : follower.up)
       pose = pose * (child == follower.moving ? moving : edges_.at(child).pose).inverse();
-    for (const auto& child : follower.down) pose = pose * (child == follower.moving ? moving : edges_.at(child).pose);
+    for (const auto& child : follower.down)
+      pose = pose * (child == follower.moving ? moving : edges_.at(child).pose);
     out.pose = pose;
   } else {
     out.pose = sample.pose;
@@ -106,8 +107,8 @@ void TfTree::add(const std::string& parent, const std::string& child, Nanosecond
   const auto found = edges_.find(child);
   const bool is_new = found == edges_.end();
   if (!is_new && found->second.parent != parent)
-    throw TfError("tf frame '" + child + "' had the parent '" + found->second.parent + "' and now gets '" + parent +
-                  "'");
+    throw TfError("tf frame '" + child + "' had the parent '" + found->second.parent + "' and now gets '" +
+                  parent + "'");
   if (!is_new && found->second.is_static != is_static)
     throw TfError("tf frame '" + child + "' is sent both on /tf and on /tf_static");
   Edge& edge = is_new ? edges_[child] : found->second;
@@ -119,7 +120,8 @@ void TfTree::add(const std::string& parent, const std::string& child, Nanosecond
     checked.pose = pose;
     if (motion::checkAndNormalise(checked) != motion::PoseFault::kNone) {
       if (is_new) edges_.erase(child);
-      throw TfError("static transform '" + parent + "' to '" + child + "' is not finite or its quaternion not unit");
+      throw TfError("static transform '" + parent + "' to '" + child +
+                    "' is not finite or its quaternion not unit");
     }
     edge.pose = checked.pose;
     if (is_new) resolveAll();

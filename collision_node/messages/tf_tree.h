@@ -17,18 +17,19 @@ struct TfError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Collects transforms and hands out, for each followed frame, its pose in the world at the exact stamps of the one
-/// moving edge between them; static edges are composed with it. Nothing is interpolated, nothing is "latest".
+/// Collects transforms and hands out, for each followed frame, its pose in the world at the exact stamps of
+/// the one moving edge between them; static edges are composed with it. Nothing is interpolated, nothing is
+/// "latest".
 ///
-/// Samples that arrive before the chain to the world is known are kept (the newest kKept of each edge) and handed
-/// out in arrival order once it is. Not covered, and refused: two or more moving edges on one chain.
+/// Samples that arrive before the chain to the world is known are kept (the newest kKept of each edge) and
+/// handed out in arrival order once it is. Not covered, and refused: two or more moving edges on one chain.
 /// No ROS types, no clock; frames are named without a leading slash.
 class TfTree {
  public:
   using Nanoseconds = motion::Nanoseconds;
   using Pose = geometry::Pose;
-  /// Called with a pose world <- frame. A transform that is not finite or not a rotation is handed on as it is, so that
-  /// whoever counts bad poses sees it.
+  /// Called with a pose world <- frame. A transform that is not finite or not a rotation is handed on as it
+  /// is, so that whoever counts bad poses sees it.
   using Sink = std::function<void(int object, const motion::StampedPose& pose)>;
 
   static constexpr std::size_t kKept = 10000;
@@ -38,8 +39,9 @@ class TfTree {
   /// From now on, `object` follows `frame`.
   void follow(int object, const std::string& frame);
 
-  /// One transform parent <- child. Throws TfError: a child gets another parent; a bad static transform; a followed
-  /// frame has no moving edge, or more than one, between it and the world. After a throw the tree is still usable.
+  /// One transform parent <- child. Throws TfError: a child gets another parent; a bad static transform; a
+  /// followed frame has no moving edge, or more than one, between it and the world. After a throw the tree is
+  /// still usable.
   void add(const std::string& parent, const std::string& child, Nanoseconds stamp_ns, const Pose& pose,
            bool is_static);
 
@@ -56,14 +58,15 @@ class TfTree {
   struct Edge {  // of a child to its parent
     std::string parent;
     bool is_static = false;
-    Pose pose;                  // is_static
-    std::deque<Sample> kept;   // !is_static: while a followed frame is unresolved
+    Pose pose;                // is_static
+    std::deque<Sample> kept;  // !is_static: while a followed frame is unresolved
   };
   struct Follower {
     int object = -1;
     std::string frame;
     bool resolved = false;
-    std::vector<std::string> up;    // from the world towards the common ancestor: children whose edge is inverted
+    std::vector<std::string>
+        up;  // from the world towards the common ancestor: children whose edge is inverted
     std::vector<std::string> down;  // from the common ancestor to the frame: children in walking order
     std::string moving;             // the child of the one moving edge
   };

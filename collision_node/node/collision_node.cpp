@@ -48,8 +48,8 @@ CollisionNode::CollisionNode(const ros::NodeHandle& handle, const ros::NodeHandl
   services_.push_back(private_handle_.advertiseService("reset", &CollisionNode::onReset, this));
   services_.push_back(private_handle_.advertiseService("flush", &CollisionNode::onFlush, this));
   services_.push_back(private_handle_.advertiseService("reload_scene", &CollisionNode::onReload, this));
-  diagnostics_timer_ =
-      private_handle_.createWallTimer(ros::WallDuration(kDiagnosticsPeriod), &CollisionNode::onDiagnosticsTimer, this);
+  diagnostics_timer_ = private_handle_.createWallTimer(ros::WallDuration(kDiagnosticsPeriod),
+                                                       &CollisionNode::onDiagnosticsTimer, this);
   spinner_ = std::make_unique<ros::AsyncSpinner>(1, &queue_);
   spinner_->start();
 }
@@ -65,17 +65,17 @@ CollisionNode::~CollisionNode() {
 std::shared_ptr<const scene::Scene> CollisionNode::load(const Parameters& parameters) const {
   for (const auto& warning : parameters.warnings) ROS_WARN_STREAM(warning);
   const ros::NodeHandle handle = handle_;
-  auto scene = scene::loadScene(parameters.scene,
-                                messages::makeResources(parameters.scene,
-                                                        [handle](const std::string& name) {
-                                                          std::string value;
-                                                          if (!handle.getParam(name, value))
-                                                            throw std::runtime_error("parameter '" +
-                                                                                     handle.resolveName(name) +
-                                                                                     "' is not set to a text");
-                                                          return value;
-                                                        }),
-                                parameters.overrides);
+  auto scene = scene::loadScene(
+      parameters.scene,
+      messages::makeResources(parameters.scene,
+                              [handle](const std::string& name) {
+                                std::string value;
+                                if (!handle.getParam(name, value))
+                                  throw std::runtime_error("parameter '" + handle.resolveName(name) +
+                                                           "' is not set to a text");
+                                return value;
+                              }),
+      parameters.overrides);
   for (const auto& warning : scene->warnings) ROS_WARN_STREAM(parameters.scene << ": " << warning);
   for (const auto& change : parameters.overrides)
     ROS_INFO_STREAM("~override/" << change.first << ": " << change.second);
@@ -241,7 +241,8 @@ bool CollisionNode::onReload(Trigger::Request&, Trigger::Response& response) {
     response.success = 0;
     response.message = error.what();
   }
-  if (response.success == 0) ROS_ERROR_STREAM("scene not reloaded, the old one goes on: " << response.message);
+  if (response.success == 0)
+    ROS_ERROR_STREAM("scene not reloaded, the old one goes on: " << response.message);
   return true;
 }
 

@@ -22,8 +22,9 @@
 
 namespace collision_node::node {
 
-/// Works on one thread and one callback queue of its own. Time is the poses' own; the clock is only watched for going
-/// back. Publishes ~impacts, ~stats, ~markers, ~plan, /diagnostics; serves ~reset, ~flush, ~reload_scene.
+/// Works on one thread and one callback queue of its own. Time is the poses' own; the clock is only watched
+/// for going back. Publishes ~impacts, ~stats, ~markers, ~plan, /diagnostics; serves ~reset, ~flush,
+/// ~reload_scene.
 class CollisionNode {
  public:
   /// Reads parameters and scene, subscribes, starts working. Throws ParameterError, scene::SceneError,
@@ -66,7 +67,8 @@ class CollisionNode {
   ros::Time last_clock_;
   std::chrono::steady_clock::time_point last_heartbeat_;
   std::uint64_t events_ = 0;
-  std::uint32_t epoch_ = 0, first_epoch_ = 0;  // first_epoch_: a reloaded scene counts on, its engine starts at 0
+  std::uint32_t epoch_ = 0,
+                first_epoch_ = 0;  // first_epoch_: a reloaded scene counts on, its engine starts at 0
   std::map<std::string, std::uint64_t> refused_;  // by topic: messages that could not be used
   std::string last_refusal_;
   std::unique_ptr<ros::AsyncSpinner> spinner_;  // last: stops before anything it uses is gone

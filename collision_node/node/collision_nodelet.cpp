@@ -4,7 +4,9 @@
 
 namespace collision_node::node {
 
-void CollisionNodelet::onInit() { node_ = std::make_unique<CollisionNode>(getNodeHandle(), getPrivateNodeHandle()); }
+void CollisionNodelet::onInit() {
+  node_ = std::make_unique<CollisionNode>(getNodeHandle(), getPrivateNodeHandle());
+}
 
 }  // namespace collision_node::node
 

@@ -1,6 +1,6 @@
+#include <ros/console.h>
 #include <ros/init.h>
 #include <ros/node_handle.h>
-#include <ros/console.h>
 
 #include <csignal>
 #include <exception>
@@ -25,7 +25,8 @@ int main(int argc, char** argv) {
   ros::NodeHandle handle, private_handle("~");
   try {
     auto node = std::make_unique<collision_node::node::CollisionNode>(handle, private_handle);
-    while (ros::ok() && stop_asked == 0) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
+    while (ros::ok() && stop_asked == 0)
+      ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
     node.reset();
     ros::WallDuration(0.2).sleep();  // roscpp has no way to ask whether its sockets have taken everything
   } catch (const std::exception& error) {

@@ -9,8 +9,8 @@ namespace collision_node::node {
 
 namespace {
 
-const std::vector<std::string> kKnown = {"scene", "method", "override", "markers/min_size", "markers/lifetime",
-                                         "markers/max_events"};
+const std::vector<std::string> kKnown = {
+    "scene", "method", "override", "markers/min_size", "markers/lifetime", "markers/max_events"};
 
 bool isPlainText(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
@@ -22,9 +22,12 @@ std::string yamlText(const XmlRpc::XmlRpcValue& value, const std::string& path) 
   // The accessors of XmlRpcValue are not const.
   XmlRpc::XmlRpcValue v(value);
   switch (v.getType()) {
-    case XmlRpc::XmlRpcValue::TypeBoolean: return static_cast<bool>(v) ? "true" : "false";
-    case XmlRpc::XmlRpcValue::TypeInt: return std::to_string(static_cast<int>(v));
-    case XmlRpc::XmlRpcValue::TypeDouble: return messages::shortest(static_cast<double>(v));
+    case XmlRpc::XmlRpcValue::TypeBoolean:
+      return static_cast<bool>(v) ? "true" : "false";
+    case XmlRpc::XmlRpcValue::TypeInt:
+      return std::to_string(static_cast<int>(v));
+    case XmlRpc::XmlRpcValue::TypeDouble:
+      return messages::shortest(static_cast<double>(v));
     case XmlRpc::XmlRpcValue::TypeString: {
       const std::string text = static_cast<std::string>(v);
       return isPlainText(text) ? text : messages::quoted(text);
@@ -36,7 +39,8 @@ std::string yamlText(const XmlRpc::XmlRpcValue& value, const std::string& path) 
     }
     case XmlRpc::XmlRpcValue::TypeStruct: {
       std::string out = "{";
-      for (auto& member : v) out += (out == "{" ? "" : ", ") + member.first + ": " + yamlText(member.second, path);
+      for (auto& member : v)
+        out += (out == "{" ? "" : ", ") + member.first + ": " + yamlText(member.second, path);
       return out + "}";
     }
     default:
@@ -50,7 +54,8 @@ void flattenInto(const XmlRpc::XmlRpcValue& tree, const std::string& path, scene
     out[path] = yamlText(v, path);
     return;
   }
-  for (auto& member : v) flattenInto(member.second, path.empty() ? member.first : path + "/" + member.first, out);
+  for (auto& member : v)
+    flattenInto(member.second, path.empty() ? member.first : path + "/" + member.first, out);
 }
 
 std::size_t editDistance(const std::string& a, const std::string& b) {
@@ -89,7 +94,8 @@ void readPositive(const ros::NodeHandle& handle, const std::string& name, T& val
   double number = 0.0;
   if (!handle.getParam(name, number)) throw ParameterError("~" + name + ": must be a number");
   if (!(number >= 0.0) || (number == 0.0 && !zero_too))
-    throw ParameterError("~" + name + ": " + messages::shortest(number) + " must be " + (zero_too ? ">= 0" : "> 0"));
+    throw ParameterError("~" + name + ": " + messages::shortest(number) + " must be " +
+                         (zero_too ? ">= 0" : "> 0"));
   value = static_cast<T>(number);
 }
 
@@ -104,7 +110,8 @@ scene::Overrides flatten(const XmlRpc::XmlRpcValue& tree) {
 Parameters readParameters(const ros::NodeHandle& handle) {
   Parameters out;
   if (!handle.getParam("scene", out.scene) || out.scene.empty())
-    throw ParameterError("~scene is not set: give the scene file, e.g. <param name=\"scene\" value=\"/path/scene.yaml\"/>");
+    throw ParameterError(
+        "~scene is not set: give the scene file, e.g. <param name=\"scene\" value=\"/path/scene.yaml\"/>");
   XmlRpc::XmlRpcValue tree;
   if (handle.getParam("override", tree)) {
     if (tree.getType() != XmlRpc::XmlRpcValue::TypeStruct)

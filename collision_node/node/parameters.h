@@ -19,18 +19,19 @@ struct ParameterError : std::runtime_error {
 };
 
 struct Parameters {
-  std::string scene;            ///< ~scene: the scene file; required
-  scene::Overrides overrides;   ///< ~override/*: same key path as in the file
+  std::string scene;                                           ///< ~scene: the scene file; required
+  scene::Overrides overrides;                                  ///< ~override/*: same key path as in the file
   impact::MethodName method = impact::MethodName::kCertified;  ///< ~method
-  messages::MarkerOptions markers;  ///< ~markers/{min_size [m], lifetime [s], max_events}
+  messages::MarkerOptions markers;    ///< ~markers/{min_size [m], lifetime [s], max_events}
   std::vector<std::string> warnings;  ///< parameters that nobody reads
 };
 
 /// Throws ParameterError.
 Parameters readParameters(const ros::NodeHandle& private_handle);
 
-/// A parameter tree as key paths and YAML text: {precision: {time: 1e-6}} -> "precision/time": "1e-06". A text is
-/// handed on bare, because rosparam stores `1e-9` as a text; one that YAML would read otherwise gets quotes.
+/// A parameter tree as key paths and YAML text: {precision: {time: 1e-6}} -> "precision/time": "1e-06". A
+/// text is handed on bare, because rosparam stores `1e-9` as a text; one that YAML would read otherwise gets
+/// quotes.
 scene::Overrides flatten(const XmlRpc::XmlRpcValue& tree);
 
 }  // namespace collision_node::node

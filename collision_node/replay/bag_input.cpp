@@ -22,11 +22,13 @@ std::unique_ptr<rosbag::Bag> openBag(const std::string& file) {
   if (fs::file_size(file, ignored) == 0) throw InputError(file + ": is empty (0 bytes); a bag is expected");
   char start[8] = {};
   std::ifstream(file, std::ios::binary).read(start, 7);
-  if (std::string(start) != "#ROSBAG") throw InputError(file + ": is not a bag (does not start with #ROSBAG)");
+  if (std::string(start) != "#ROSBAG")
+    throw InputError(file + ": is not a bag (does not start with #ROSBAG)");
   try {
     return std::make_unique<rosbag::Bag>(file, rosbag::bagmode::Read);
   } catch (const rosbag::BagUnindexedException&) {
-    throw InputError(file + ": has no index (its recording was never closed): run `rosbag reindex` on a copy of it");
+    throw InputError(file +
+                     ": has no index (its recording was never closed): run `rosbag reindex` on a copy of it");
   } catch (const rosbag::BagException& error) {
     throw InputError(file + ": is cut short or damaged (" + error.what() +
                      "): run `rosbag reindex` on a copy of it to save what is left");
@@ -95,17 +97,19 @@ void BagInput::checkTf(const scene::Scene& scene) const {
       [](int, const motion::StampedPose&) {});
   // Damage is met again, and told, when the poses are read.
   std::string fault;
-  forEach({"/tf", "/tf_static"}, {}, {}, [&](const rosbag::MessageInstance& m, const messages::RawMessage& raw) {
-    try {
-      probe.handle(m.getTopic(), raw);
-    } catch (const messages::PoseError& error) {
-      if (fault.empty()) fault = error.what();
-    }
-  });
+  forEach({"/tf", "/tf_static"}, {}, {},
+          [&](const rosbag::MessageInstance& m, const messages::RawMessage& raw) {
+            try {
+              probe.handle(m.getTopic(), raw);
+            } catch (const messages::PoseError& error) {
+              if (fault.empty()) fault = error.what();
+            }
+          });
   if (!fault.empty()) throw InputError(list(files_) + ": " + fault);
   if (!probe.tf().unresolved().empty())
-    throw InputError(list(files_) + ": tf never connects '" + list(probe.tf().unresolved()) + "' to world_frame '" +
-                     scene.world_frame + "'; tf frames here: " + list(probe.tf().frames()));
+    throw InputError(list(files_) + ": tf never connects '" + list(probe.tf().unresolved()) +
+                     "' to world_frame '" + scene.world_frame +
+                     "'; tf frames here: " + list(probe.tf().frames()));
 }
 
 BagInput::Summary BagInput::forEach(
@@ -132,8 +136,9 @@ BagInput::Summary BagInput::forEach(
     }
   } catch (const rosbag::BagException& error) {
     summary.damage = list(files_) + ": damaged after receive time " +
-                     messages::secondsText(messages::toNanoseconds(last)) + " s (" + error.what() + "): the " +
-                     std::to_string(summary.messages) + " messages before it are used, the rest is not";
+                     messages::secondsText(messages::toNanoseconds(last)) + " s (" + error.what() +
+                     "): the " + std::to_string(summary.messages) +
+                     " messages before it are used, the rest is not";
   }
   return summary;
 }

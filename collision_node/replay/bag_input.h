@@ -15,13 +15,15 @@
 
 namespace collision_node::replay {
 
-/// Opens all bags, for reading only. Throws InputError, one line each: absent, empty, no bag, never closed, cut short.
+/// Opens all bags, for reading only. Throws InputError, one line each: absent, empty, no bag, never closed,
+/// cut short.
 class BagInput {
  public:
   explicit BagInput(const std::vector<std::string>& files);
 
-  /// Throws InputError when a topic of the scene is in no bag (lists what they hold), carries another type than a pose, or a
-  /// tf frame of the scene is never connected to the world. Reads all of /tf when the scene uses it.
+  /// Throws InputError when a topic of the scene is in no bag (lists what they hold), carries another type
+  /// than a pose, or a tf frame of the scene is never connected to the world. Reads all of /tf when the scene
+  /// uses it.
   void check(const messages::PoseRouter& router, const scene::Scene& scene) const;
 
   struct Summary {
@@ -29,10 +31,11 @@ class BagInput {
     std::string damage;  ///< "" or one line: which bag broke, where
   };
 
-  /// Calls `visit` for each message on the router's topics, in receive order. A damaged chunk ends the reading and is
-  /// told in the summary; what came before stands.
-  Summary forEach(const std::vector<std::string>& topics, std::optional<double> from, std::optional<double> to,
-                  const std::function<void(const rosbag::MessageInstance&, const messages::RawMessage&)>& visit) const;
+  /// Calls `visit` for each message on the router's topics, in receive order. A damaged chunk ends the
+  /// reading and is told in the summary; what came before stands.
+  Summary forEach(
+      const std::vector<std::string>& topics, std::optional<double> from, std::optional<double> to,
+      const std::function<void(const rosbag::MessageInstance&, const messages::RawMessage&)>& visit) const;
 
   ros::Time begin() const { return begin_; }  ///< receive time of the first message of any topic
   ros::Time end() const { return end_; }

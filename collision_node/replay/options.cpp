@@ -99,10 +99,12 @@ Options parseOptions(const std::vector<std::string>& arguments) {
     }
   }
   if (out.help) return out;
-  if (plain.empty()) throw InputError("no scene given: replay scene.yaml in.bag [options]; see replay --help");
+  if (plain.empty())
+    throw InputError("no scene given: replay scene.yaml in.bag [options]; see replay --help");
   out.scene = plain.front();
   out.bags.assign(plain.begin() + 1, plain.end());
-  if (out.bags.empty() && !out.plan) throw InputError("no bag given: replay " + out.scene + " in.bag [options]");
+  if (out.bags.empty() && !out.plan)
+    throw InputError("no bag given: replay " + out.scene + " in.bag [options]");
   if (out.from && out.to && *out.from > *out.to)
     throw InputError("--from " + std::to_string(*out.from) + " lies after --to " + std::to_string(*out.to));
   return out;

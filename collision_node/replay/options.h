@@ -15,11 +15,11 @@ struct Options {
   std::vector<std::string> bags;
   std::string jsonl;  ///< "" none, "-" standard output
   std::string csv;
-  std::string out;    ///< result bag
+  std::string out;                 ///< result bag
   std::optional<double> from, to;  ///< [s] of receive time after the first message of the bags
   bool plan = false;
   impact::MethodName method = impact::MethodName::kCertified;
-  int threads = 1;    ///< a wish; the answers never depend on it
+  int threads = 1;  ///< a wish; the answers never depend on it
   bool timing = false;
   std::string name_space = "/";  ///< in which relative topics of the scene are resolved
   bool help = false;

@@ -38,7 +38,8 @@ std::unique_ptr<PendingFile> pending(const std::string& name, const Options& opt
   if (name.empty() || name == "-") return nullptr;
   std::error_code ignored;
   for (const auto& bag : options.bags)
-    if (fs::equivalent(bag, name, ignored)) throw InputError(name + ": is an input; results need another name");
+    if (fs::equivalent(bag, name, ignored))
+      throw InputError(name + ": is an input; results need another name");
   return std::make_unique<PendingFile>(name);
 }
 
@@ -83,7 +84,8 @@ void PendingFile::keep() {
   if (fault) throw InputError(name_ + ": cannot be written (" + fault.message() + ")");
 }
 
-Outputs::Outputs(const Options& options, std::shared_ptr<const scene::Scene> scene, std::ostream& standard_output)
+Outputs::Outputs(const Options& options, std::shared_ptr<const scene::Scene> scene,
+                 std::ostream& standard_output)
     : scene_(std::move(scene)),
       standard_output_(standard_output),
       table_(options.jsonl != "-" && options.csv != "-"),
@@ -152,18 +154,19 @@ void Outputs::stats(const scene::Stats& stats) {
 void Outputs::row(const scene::Event& event) {
   char line[400];
   if (events_ == 0) {
-    std::snprintf(line, sizeof line, "%-5s %-20s %-15s %-22s %-26s %-26s %9s  %-32s %9s %9s\n", "epoch", "time [s]",
-                  "what", "certificate", "a", "b", "width [s]", "point [m]", "ball [m]", "m/s");
+    std::snprintf(line, sizeof line, "%-5s %-20s %-15s %-22s %-26s %-26s %9s  %-32s %9s %9s\n", "epoch",
+                  "time [s]", "what", "certificate", "a", "b", "width [s]", "point [m]", "ball [m]", "m/s");
     standard_output_ << line;
   }
   std::string certificate = impact::toString(event.certificate);
   if (event.reason != impact::Reason::kNone) certificate += std::string(" ") + impact::toString(event.reason);
   char point[64];
-  std::snprintf(point, sizeof point, "%.4f %.4f %.4f", event.position.x(), event.position.y(), event.position.z());
-  std::snprintf(line, sizeof line, "%-5u %-20s %-15s %-22s %-26s %-26s %9.2g  %-32s %9.2g %9.1f\n", event.epoch,
-                messages::secondsText(event.stamp_ns).c_str(), impact::toString(event.kind), certificate.c_str(),
-                sideText(event.a).c_str(), sideText(event.b).c_str(), event.toi_upper - event.toi_lower, point,
-                event.position_error, event.closing_speed);
+  std::snprintf(point, sizeof point, "%.4f %.4f %.4f", event.position.x(), event.position.y(),
+                event.position.z());
+  std::snprintf(line, sizeof line, "%-5u %-20s %-15s %-22s %-26s %-26s %9.2g  %-32s %9.2g %9.1f\n",
+                event.epoch, messages::secondsText(event.stamp_ns).c_str(), impact::toString(event.kind),
+                certificate.c_str(), sideText(event.a).c_str(), sideText(event.b).c_str(),
+                event.toi_upper - event.toi_lower, point, event.position_error, event.closing_speed);
   standard_output_ << line;
 }
 

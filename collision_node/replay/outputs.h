@@ -37,8 +37,8 @@ class Outputs {
 
   /// The head of the result bag: plan (latched), cleared markers, fixed objects.
   void begin(const ros::Time& first_receive_time, const std::string& plan);
-  /// Copies an input message into the result bag. `stamp_ns`: of a pose in it, if it has one; keeps the distance
-  /// between stamps and receive times, by which events are placed among the inputs.
+  /// Copies an input message into the result bag. `stamp_ns`: of a pose in it, if it has one; keeps the
+  /// distance between stamps and receive times, by which events are placed among the inputs.
   void input(const rosbag::MessageInstance& message);
   void poseSeen(const ros::Time& received, motion::Nanoseconds stamp_ns);
   void event(const scene::Event& event);

@@ -18,7 +18,8 @@ void Progress::at(const ros::Time& now) {
   if (per_cent == shown_) return;
   shown_ = per_cent;
   const auto done = static_cast<std::size_t>(per_cent * kWidth / 100);
-  err_ << "\r[" << std::string(done, '#') << std::string(kWidth - done, ' ') << "] " << per_cent << " %" << std::flush;
+  err_ << "\r[" << std::string(done, '#') << std::string(kWidth - done, ' ') << "] " << per_cent << " %"
+       << std::flush;
 }
 
 void Progress::finish() {

@@ -31,11 +31,13 @@ std::shared_ptr<const scene::Scene> load(const Options& options, std::ostream& e
   }
 }
 
-void printSummary(std::ostream& out, std::uint64_t events, const scene::Stats& stats, const std::string& silent) {
+void printSummary(std::ostream& out, std::uint64_t events, const scene::Stats& stats,
+                  const std::string& silent) {
   out << events << (events == 1 ? " event" : " events");
   if (stats.has_watermark) out << "; decided up to " << messages::secondsText(stats.watermark_ns) << " s";
-  out << "\nposes: " << stats.accepted << " accepted, " << stats.reordered << " of them reordered; dropped: "
-      << stats.late << " late, " << stats.duplicate << " duplicate, " << stats.rejected << " rejected\n";
+  out << "\nposes: " << stats.accepted << " accepted, " << stats.reordered
+      << " of them reordered; dropped: " << stats.late << " late, " << stats.duplicate << " duplicate, "
+      << stats.rejected << " rejected\n";
   if (!silent.empty()) out << "no pose at all, so nothing is said about:" << silent << '\n';
 }
 
@@ -71,13 +73,14 @@ class Run {
     const auto start = Clock::now();
     outputs_->begin(input_.begin(), plan);
     Progress progress(err_, show_progress, input_.begin(), input_.end());
-    const auto summary = input_.forEach(router_.topics(), options_.from, options_.to,
-                                        [&](const rosbag::MessageInstance& m, const messages::RawMessage& raw) {
-                                          now_ = m.getTime();
-                                          progress.at(now_);
-                                          outputs_->input(m);
-                                          router_.handle(m.getTopic(), raw);
-                                        });
+    const auto summary =
+        input_.forEach(router_.topics(), options_.from, options_.to,
+                       [&](const rosbag::MessageInstance& m, const messages::RawMessage& raw) {
+                         now_ = m.getTime();
+                         progress.at(now_);
+                         outputs_->input(m);
+                         router_.handle(m.getTopic(), raw);
+                       });
     engine_->flush();
     progress.finish();
     const scene::Stats last = engine_->stats();

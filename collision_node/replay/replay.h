@@ -10,9 +10,9 @@ namespace collision_node::replay {
 /// Exit codes: 0 done, 2 bad input (one line each on `err`), 3 some query met its budget.
 constexpr int kDone = 0, kBadInput = 2, kBudgetMet = 3;
 
-/// Runs one replay. The same bags and scene give the same bytes on `out` and in every file, unless options.timing.
-/// `progress`: draw a bar on `err`. Bad input writes no file, except damage in the middle of a bag: then the results
-/// of what came before are kept, and the code is kBadInput.
+/// Runs one replay. The same bags and scene give the same bytes on `out` and in every file, unless
+/// options.timing. `progress`: draw a bar on `err`. Bad input writes no file, except damage in the middle of
+/// a bag: then the results of what came before are kept, and the code is kBadInput.
 int run(const Options& options, std::ostream& out, std::ostream& err, bool progress);
 
 }  // namespace collision_node::replay

@@ -1,5 +1,6 @@
 /// The demo's bag, played into the live node: the same events as offline, one by one, and all of them true.
-/// The player starts paused; this test lets it go when everybody is connected, so nothing is lost at the start.
+/// The player starts paused; this test lets it go when everybody is connected, so nothing is lost at the
+/// start.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <ros/callback_queue.h>
@@ -84,9 +85,14 @@ std::vector<Truth> readTruth(const std::string& file) {
   std::vector<Truth> out;
   for (const auto& shot : YAML::LoadFile(file)["shots"])
     for (const auto& e : shot["events"])
-      out.push_back({shot["object"].as<std::string>(), e["link"].as<std::string>(), e["zone"].as<std::string>(),
-                     e["kind"].as<std::string>(), e["ns"].as<std::int64_t>(), e["fraction_ns"].as<double>(),
-                     {e["position"][0].as<double>(), e["position"][1].as<double>(), e["position"][2].as<double>()}});
+      out.push_back(
+          {shot["object"].as<std::string>(),
+           e["link"].as<std::string>(),
+           e["zone"].as<std::string>(),
+           e["kind"].as<std::string>(),
+           e["ns"].as<std::int64_t>(),
+           e["fraction_ns"].as<double>(),
+           {e["position"][0].as<double>(), e["position"][1].as<double>(), e["position"][2].as<double>()}});
   return out;
 }
 
@@ -100,7 +106,8 @@ bool holds(const Impact& impact, const Truth& truth) {
       impact::toString(e.kind) != truth.kind)
     return false;
   const double time = (static_cast<double>(truth.ns - e.interval_start_ns) + truth.fraction_ns) * 1e-9;
-  // The product above rounds; half an ulp of a tenth of a second is far below the narrowest bracket's own scale.
+  // The product above rounds; half an ulp of a tenth of a second is far below the narrowest bracket's own
+  // scale.
   const double rounding = 4e-17;
   return time >= e.toi_lower - rounding && time <= e.toi_upper + rounding &&
          (e.position - truth.position).norm() <= e.position_error;
@@ -132,11 +139,13 @@ TEST(Live, equalsOfflineAndTruth) {
   const auto impacts = handle.subscribe<Impact>(kNode + std::string("/impacts"), 0,
                                                 [&](const Impact::ConstPtr& m) { live.push_back(*m); });
   const auto diagnostics = handle.subscribe<diagnostic_msgs::DiagnosticArray>(
-      "/diagnostics", 0,
-      [&](const diagnostic_msgs::DiagnosticArray::ConstPtr& m) { accepted = std::max(accepted, acceptedIn(*m)); });
-  const auto plans = handle.subscribe<std_msgs::String>(kNode + std::string("/plan"), 1,
-                                                        [&](const std_msgs::String::ConstPtr& m) { plan = m->data; });
-  ASSERT_TRUE(waitFor([&] { return impacts.getNumPublishers() == 1 && diagnostics.getNumPublishers() >= 1; }));
+      "/diagnostics", 0, [&](const diagnostic_msgs::DiagnosticArray::ConstPtr& m) {
+        accepted = std::max(accepted, acceptedIn(*m));
+      });
+  const auto plans = handle.subscribe<std_msgs::String>(
+      kNode + std::string("/plan"), 1, [&](const std_msgs::String::ConstPtr& m) { plan = m->data; });
+  ASSERT_TRUE(
+      waitFor([&] { return impacts.getNumPublishers() == 1 && diagnostics.getNumPublishers() >= 1; }));
   EXPECT_TRUE(waitFor([&] { return !plan.empty(); })) << "~plan is latched";
   EXPECT_EQ(plan, offline.plan);
 
@@ -161,12 +170,16 @@ TEST(Live, equalsOfflineAndTruth) {
   const auto truths = readTruth(demo + "/truth.json");
   ASSERT_EQ(truths.size(), live.size()) << "no true event missing, none extra";
   for (const auto& truth : truths)
-    EXPECT_EQ(std::count_if(live.begin(), live.end(), [&](const Impact& impact) { return holds(impact, truth); }), 1)
+    EXPECT_EQ(
+        std::count_if(live.begin(), live.end(), [&](const Impact& impact) { return holds(impact, truth); }),
+        1)
         << truth.object << " " << truth.kind << " " << truth.link << " at " << truth.ns;
   // The comparison can say no.
   Truth shifted = truths.front();
   shifted.ns += 1;
-  EXPECT_EQ(std::count_if(live.begin(), live.end(), [&](const Impact& impact) { return holds(impact, shifted); }), 0);
+  EXPECT_EQ(
+      std::count_if(live.begin(), live.end(), [&](const Impact& impact) { return holds(impact, shifted); }),
+      0);
 
   // Nothing more was on its way, and the node is still alive.
   EXPECT_EQ(call("/flush").message, flushed.message);

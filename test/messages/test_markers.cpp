@@ -32,7 +32,8 @@ scene::Object boxObject(const std::string& name, scene::PoseSource::Type type) {
 
 std::shared_ptr<const scene::Scene> twoBoxes() {
   auto out = std::make_shared<scene::Scene>();
-  out->objects = {boxObject("a", scene::PoseSource::Type::kTopic), boxObject("b", scene::PoseSource::Type::kFixed)};
+  out->objects = {boxObject("a", scene::PoseSource::Type::kTopic),
+                  boxObject("b", scene::PoseSource::Type::kFixed)};
   return out;
 }
 
@@ -86,7 +87,8 @@ TEST(Markers, anEventShowsPointNormalBoundLabelAndBodies) {
   EXPECT_EQ(find(array, "impact/bound")->scale.x, MarkerOptions().min_size);
   EXPECT_NE(find(array, "impact/label")->text.find("drawn larger"), std::string::npos);
   // Both links of the moving object, placed from the one that was hit: that one lies at (0, 0, 1).
-  const auto bodies = std::count_if(array.markers.begin(), array.markers.end(), [](auto& m) { return m.ns == "body"; });
+  const auto bodies =
+      std::count_if(array.markers.begin(), array.markers.end(), [](auto& m) { return m.ns == "body"; });
   EXPECT_EQ(bodies, 2);
   EXPECT_EQ(find(array, "body")->header.frame_id, "world");
 }
@@ -140,8 +142,8 @@ TEST(Markers, theOldestEventMakesRoom) {
   for (std::uint64_t id = 0; id < 3; ++id) {
     e.event_id = id;
     const MarkerArray array = markers.event(e);
-    const auto deleted =
-        std::count_if(array.markers.begin(), array.markers.end(), [](auto& m) { return m.action == Marker::DELETE; });
+    const auto deleted = std::count_if(array.markers.begin(), array.markers.end(),
+                                       [](auto& m) { return m.action == Marker::DELETE; });
     EXPECT_EQ(deleted, id == 2 ? 4 : 0);
     if (id == 2) {
       EXPECT_EQ(array.markers.front().id, 0);
@@ -151,9 +153,11 @@ TEST(Markers, theOldestEventMakesRoom) {
 
 /// Volume by the divergence theorem: wrong winding or a hole changes it.
 double volume(const geometry::Shape& shape) {
-  const auto points = drawnTriangles({shape, geometry::Pose{{1, 2, 3}, geometry::Quat(0.5, 0.5, 0.5, 0.5)}, ""});
+  const auto points =
+      drawnTriangles({shape, geometry::Pose{{1, 2, 3}, geometry::Quat(0.5, 0.5, 0.5, 0.5)}, ""});
   double six = 0;
-  for (std::size_t i = 0; i + 2 < points.size(); i += 3) six += points[i].dot(points[i + 1].cross(points[i + 2]));
+  for (std::size_t i = 0; i + 2 < points.size(); i += 3)
+    six += points[i].dot(points[i + 1].cross(points[i + 2]));
   return six / 6;
 }
 

@@ -140,7 +140,8 @@ TEST(PoseReader, refusesWithALineThatSaysWhy) {
 }
 
 TEST(PoseReader, refusesAnotherVersionAndACutMessage) {
-  EXPECT_THROW(checkPoseType("geometry_msgs/PoseStamped", "00000000000000000000000000000000", topic()), PoseError);
+  EXPECT_THROW(checkPoseType("geometry_msgs/PoseStamped", "00000000000000000000000000000000", topic()),
+               PoseError);
   geometry_msgs::PoseStamped stamped;
   stamped.header = header();
   Wire<geometry_msgs::PoseStamped> wire(stamped);

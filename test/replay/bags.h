@@ -26,8 +26,8 @@ inline void writeBytes(const std::string& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary) << bytes;
 }
 
-/// A wall in the plane x = 0 (1 m thick) and a ball that flies through it along x at 1000 m/s, 30 Hz, 2 s; it starts 100.3 m
-/// away. Impact: x = -0.5 - 0.1.
+/// A wall in the plane x = 0 (1 m thick) and a ball that flies through it along x at 1000 m/s, 30 Hz, 2 s; it
+/// starts 100.3 m away. Impact: x = -0.5 - 0.1.
 inline const char* const kScene = R"(world_frame: world
 objects:
   ball:

@@ -21,7 +21,8 @@ class BadInput : public testing::Test {
   }
   std::string path(const std::string& name) const { return folder_.path() + "/" + name; }
 
-  /// Runs with every kind of output asked for; expects code 2, one line with all `parts`, and nothing written.
+  /// Runs with every kind of output asked for; expects code 2, one line with all `parts`, and nothing
+  /// written.
   void expectLine(std::vector<std::string> arguments, const std::vector<std::string>& parts) {
     for (const char* output : {"--out", "--jsonl", "--csv"}) {
       arguments.push_back(output);
@@ -30,7 +31,8 @@ class BadInput : public testing::Test {
     const Outcome got = replayed(arguments);
     EXPECT_EQ(got.code, 2);
     EXPECT_EQ(std::count(got.err.begin(), got.err.end(), '\n'), 1) << got.err;
-    for (const auto& part : parts) EXPECT_NE(got.err.find(part), std::string::npos) << part << "\nin: " << got.err;
+    for (const auto& part : parts)
+      EXPECT_NE(got.err.find(part), std::string::npos) << part << "\nin: " << got.err;
     for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
       EXPECT_EQ(entry.path().filename().string().find("result"), std::string::npos) << entry.path();
   }
@@ -42,8 +44,9 @@ class BadInput : public testing::Test {
 TEST_F(BadInput, absentScene) { expectLine({path("none.yaml"), good_}, {path("none.yaml")}); }
 
 TEST_F(BadInput, absentMesh) {
-  const std::string scene = folder_.write("mesh.yaml", "objects:\n  ball:\n    mesh: {file: gone.stl}\n"
-                                                       "    pose: {topic: ball/pose}\n");
+  const std::string scene = folder_.write("mesh.yaml",
+                                          "objects:\n  ball:\n    mesh: {file: gone.stl}\n"
+                                          "    pose: {topic: ball/pose}\n");
   expectLine({scene, good_}, {"mesh.yaml", "gone.stl"});
 }
 
@@ -81,7 +84,8 @@ TEST_F(BadInput, bagThatWasNeverClosed) {
 TEST_F(BadInput, truncatedBag) {
   const std::string bytes = bytesOf(good_);
   for (const double share : {0.3, 0.7, 0.99}) {
-    writeBytes(path("cut.bag"), bytes.substr(0, static_cast<std::size_t>(share * static_cast<double>(bytes.size()))));
+    writeBytes(path("cut.bag"),
+               bytes.substr(0, static_cast<std::size_t>(share * static_cast<double>(bytes.size()))));
     expectLine({scene_, path("cut.bag")}, {"cut.bag", "rosbag reindex", "copy"});
   }
 }
@@ -97,6 +101,8 @@ TEST_F(BadInput, wrongTypeOnATopic) {
     bag.write("/ball/pose", ros::Time(1), nav_msgs::Path());
   }
   expectLine({scene_, path("path.bag")}, {"/ball/pose", "'ball'", "nav_msgs/Path"});
+  // Told from the connections, before anything is read.
+  expectLine({scene_, path("path.bag"), "--from", "100"}, {"/ball/pose", "'ball'", "nav_msgs/Path"});
 }
 
 TEST_F(BadInput, wrongFrame) {
@@ -105,8 +111,9 @@ TEST_F(BadInput, wrongFrame) {
 }
 
 TEST_F(BadInput, tfFrameThatHangsOnNothing) {
-  const std::string scene = folder_.write("tf.yaml", "objects:\n  ball:\n    point: {}\n    pose: {tf: bal}\n"
-                                                     "  wall:\n    point: {}\n    pose: {fixed: {}}\n");
+  const std::string scene = folder_.write("tf.yaml",
+                                          "objects:\n  ball:\n    point: {}\n    pose: {tf: bal}\n"
+                                          "  wall:\n    point: {}\n    pose: {fixed: {}}\n");
   {
     rosbag::Bag bag(path("tf.bag"), rosbag::bagmode::Write);
     tf2_msgs::TFMessage tf;

@@ -72,7 +72,8 @@ TEST_F(Replay, sameBagSameSceneSameBytes) {
     for (const auto& part : bytes[i]) EXPECT_FALSE(part.empty());
     EXPECT_FALSE(std::filesystem::exists(base + ".bag.part"));
   }
-  for (std::size_t part = 0; part < bytes[0].size(); ++part) EXPECT_TRUE(bytes[0][part] == bytes[1][part]) << part;
+  for (std::size_t part = 0; part < bytes[0].size(); ++part)
+    EXPECT_TRUE(bytes[0][part] == bytes[1][part]) << part;
 }
 
 TEST_F(Replay, theResultBagHoldsResultsAndInputs) {
@@ -95,7 +96,8 @@ TEST_F(Replay, theResultBagHoldsResultsAndInputs) {
       EXPECT_TRUE(std::isnan(stats->wall_time));
       // The bins add up to the one pair there is.
       EXPECT_EQ(stats->pairs_culled + stats->pairs_clear + stats->pairs_impact + stats->pairs_undecided +
-                    stats->pairs_uncovered, 1u);
+                    stats->pairs_uncovered,
+                1u);
     }
   }
   EXPECT_TRUE(cleared_first);
@@ -112,14 +114,16 @@ TEST_F(Replay, theResultBagHoldsResultsAndInputs) {
 
 TEST_F(Replay, aResultBagIsAnInputToo) {
   ASSERT_EQ(replayed({scene_, bag_, "--out", path("out.bag")}).code, 0);
-  EXPECT_EQ(replayed({scene_, path("out.bag"), "--jsonl", "-"}).out, replayed({scene_, bag_, "--jsonl", "-"}).out);
+  EXPECT_EQ(replayed({scene_, path("out.bag"), "--jsonl", "-"}).out,
+            replayed({scene_, bag_, "--jsonl", "-"}).out);
 }
 
 TEST_F(Replay, eventsStandAmongTheInputsEvenWhenStampsAreOfAnotherTime) {
   const std::string late = path("late.bag");
   {
     rosbag::Bag bag(late, rosbag::bagmode::Write);
-    for (int i = 0; i < 60; ++i) bag.write("/ball/pose", ballPose(i).header.stamp + ros::Duration(1e6), ballPose(i));
+    for (int i = 0; i < 60; ++i)
+      bag.write("/ball/pose", ballPose(i).header.stamp + ros::Duration(1e6), ballPose(i));
   }
   ASSERT_EQ(replayed({scene_, late, "--out", path("out.bag")}).code, 0);
   rosbag::Bag bag(path("out.bag"));
@@ -151,7 +155,8 @@ TEST_F(Replay, severalBagsAreOneRecording) {
   const std::string even = path("even.bag"), odd = path("odd.bag");
   {
     rosbag::Bag a(even, rosbag::bagmode::Write), b(odd, rosbag::bagmode::Write);
-    for (int i = 0; i < 60; ++i) (i % 2 == 0 ? a : b).write("/ball/pose", ballPose(i).header.stamp, ballPose(i));
+    for (int i = 0; i < 60; ++i)
+      (i % 2 == 0 ? a : b).write("/ball/pose", ballPose(i).header.stamp, ballPose(i));
   }
   EXPECT_EQ(replayed({scene_, even, odd, "--jsonl", "-"}).out, replayed({scene_, bag_, "--jsonl", "-"}).out);
 }
