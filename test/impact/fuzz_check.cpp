@@ -90,9 +90,9 @@ class Examination {
   void start() {
     const bool said = !events_.empty() && events_[0].kind == Kind::kInitialOverlap;
     if (truth_.overlaps_at_start && !(said && events_[0].certificate == Certificate::kConfirmed)) {
-      // Overlap by less than the budget may stay undecided: it lasts, or is left, within that.
-      const bool deep =
-          pair_.touching(std::min(pair_.duration(), truth_.budget / std::max(pair_.maxSpeed(), 1e-300L)));
+      // On the very boundary either answer is right: the motion a moment earlier and later must touch too.
+      const Real moment = 100 * truth_.budget / std::max(pair_.maxSpeed(), 1e-300L);
+      const bool deep = pair_.touching(-moment) && pair_.touching(std::min(pair_.duration(), moment));
       if (deep && (events_.empty() || events_[0].toi_lower > 0))
         complain("overlaps at the start, and no event says so");
       else if (deep && !said)
@@ -128,7 +128,17 @@ class Examination {
       if (touch.verified) complain("MISS: touching at [%.17Lg, %.17Lg] s, no event", touch.lo, touch.hi);
       return;
     }
-    const PairEvent& e = events_[0];
+    // A near miss just before may stay undecided; `possible` looks at how near it was.
+    const auto passed = [&](const PairEvent& e) {
+      return e.certificate == Certificate::kPossible && e.toi_upper < touch.lo;
+    };
+    const auto at = std::find_if_not(events_.begin(), events_.end(), passed);
+    if (at == events_.end()) {
+      if (touch.verified)
+        complain("MISS: touching at [%.17Lg, %.17Lg] s, only POSSIBLE before", touch.lo, touch.hi);
+      return;
+    }
+    const PairEvent& e = *at;
     const Real slack = 1e-18L * pair_.duration() +
                        (truth_.closing_speed > 0 ? 2 * pair_.touchDistance() / truth_.closing_speed : 0);
     if (touch.verified && e.toi_lower > touch.hi + slack) {
@@ -256,7 +266,7 @@ class Examination {
     }
     if (to == pair_.duration()) instants.push_back(to);
     for (Real t : instants) {
-      const Real d = pair_.distance(t);
+      const Real d = pair_.provedDistance(t);
       if (!(d > 1e3L * truth_.budget)) continue;
       // A free time shorter than W may be merged; this one is measured.
       const oracle::FirstTouch next = pair_.firstTouch(t, to, 0, kMarchSteps);
@@ -281,7 +291,7 @@ class Examination {
 
   void separationIsReal(Real lower, Real upper) {
     const Real tolerance = (pair_.hasTwoCylinders() ? 1e-11L : 1e-15L) * pair_.scale();
-    if (!pair_.crossesInNoTime() && pair_.distance(lower) > tolerance) {
+    if (!pair_.crossesInNoTime() && pair_.provedDistance(lower) > tolerance) {
       complain("SEPARATION says contact at %.20Lg s, apart there by %.6Lg m", lower, pair_.distance(lower));
     }
     if (upper < pair_.duration() && pair_.touching(upper + 1e-16L * pair_.duration())) {
@@ -305,7 +315,7 @@ class Examination {
     const Real width = e.toi_upper - e.toi_lower;
     if (!(width > 4 * case_.options.time_precision)) return;
     for (int i = 1; i < 8; ++i) {
-      const Real t = e.toi_lower + width * i / 8, d = pair_.distance(t);
+      const Real t = e.toi_lower + width * i / 8, d = pair_.provedDistance(t);
       if (d > 1e-3L * pair_.size()) {
         complain("%s POSSIBLE on [%.17g, %.17g] s, reason %s, but %.3Lg m apart at %.17Lg s",
                  toString(e.kind), e.toi_lower, e.toi_upper, toString(e.reason), d, t);

@@ -48,7 +48,7 @@ Truth truthOf(const Case& c, const Pair& pair) {
   truth.budget = 1e-12L * pair.scale();
   const Real start = pair.distance(0);
   truth.overlaps_at_start = start == 0;
-  truth.apart_at_start = start > truth.budget;
+  truth.apart_at_start = pair.provedDistance(0) > truth.budget;
   if (!truth.apart_at_start) return truth;
 
   Real smaller = std::min(pair.a().reach, pair.b().reach);

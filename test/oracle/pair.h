@@ -127,6 +127,8 @@ class Pair {
   }
 
   Real distance(Real t) const { return nearest(t).gap.upper; }
+  /// The proved part of it; the two differ for two cylinders only.
+  Real provedDistance(Real t) const { return nearest(t).gap.lower; }
   bool touching(Real t) const { return distance(t) <= touchDistance(); }
 
   /// First instant of [from, to] at which the distance comes down to `margin` (0: touches). Every pair of
