@@ -62,10 +62,7 @@ class Run {
       if (state_.phase == Phase::kApart) {
         const Search::First first = search_.firstPossible(t, end_, 0.1 * width_);
         if (!first.found) break;
-        if (search_.exhausted()) {
-          open(Kind::kImpact, first.time, first.pair);
-          continue;
-        }
+        free_since_ = t;
         open(Kind::kImpact, first.time, first.pair);
         t = first.time;
       } else if (state_.phase == Phase::kUndecided) {
@@ -219,7 +216,9 @@ class Run {
   bool passed(double from, double at, double& t) {
     if (state_.was_touching || pair_.contact_distance > 0.0) return false;
     const std::vector<ElementPair> near = search_.nearPairs(from, at, 64);
-    const Instant first = pair_.at(from), last = pair_.at(at);
+    // From a little earlier, clear of the surface by more than the budget: it is free up to `from`.
+    const double earlier = std::max(std::min(free_since_, from), from - std::max(at - from, 32.0 * floor_));
+    const Instant first = pair_.at(earlier), last = pair_.at(at);
     for (const ElementPair& pair : near) {
       Vec3 buffer_a[3], buffer_b[3];
       const Element a = pair_.a.element(pair.a, buffer_a), b = pair_.b.element(pair.b, buffer_b);
@@ -434,20 +433,21 @@ class Run {
     const double span = std::max(at - reference, back);
     const double earlier = std::max(0.0, -localStart(event));
     const double slid = earlier * state_.pending_speed;
-    ContactFacts facts = pair.a >= 0 ? describeContact(pair_, now, span, pair, slid)
+    const double apart_at = back > 0.0 || event.kind == Kind::kSeparation ? end_ : 0.0;
+    ContactFacts facts = pair.a >= 0 ? describeContact(pair_, now, span, pair, apart_at, slid)
                                      : describeUnknown(pair_, now, span + earlier);
     event.multiple = false;
-    if (pair.a >= 0) joinNeighbours(event, facts, now, std::max(0.0, reference - back), at, span, pair, slid);
+    if (pair.a >= 0) joinNeighbours(event, facts, now, std::max(0.0, reference - back), at, span, pair, apart_at, slid);
     fill(event, facts, reference, at);
   }
 
   /// Other element pairs that may touch in the bracket: at the same place they widen the ball, elsewhere they are said.
   void joinNeighbours(PairEvent& event, ContactFacts& facts, const Instant& now, double from, double at, double span,
-                      ElementPair pair, double slid) {
+                      ElementPair pair, double apart_at, double slid) {
     constexpr std::size_t kLimit = 48;
     for (const ElementPair& other : search_.nearPairs(from, at, kLimit)) {
       if (other.a == pair.a && other.b == pair.b) continue;
-      const ContactFacts near = describeContact(pair_, now, span, other, slid);
+      const ContactFacts near = describeContact(pair_, now, span, other, apart_at, slid);
       const double needed = (near.position - facts.position).norm() + near.position_error;
       if (needed <= facts.position_error) continue;
       if (needed <= std::max(2.0 * facts.position_error, 0.5 * options_.distance_precision)) {
@@ -494,6 +494,7 @@ class Run {
   ContactWitness last_witness_;
   std::optional<ContactWitness> start_witness_;
   double found_at_ = 0.0;
+  double free_since_ = kInfinity;  ///< the search that opened the bracket proved the time since then free
 };
 
 class Certified : public PairMethod {

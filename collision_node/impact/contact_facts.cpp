@@ -181,6 +181,40 @@ bool staysOneVertex(const Cores& cores, const Closest& closest, bool side_a, con
   return true;
 }
 
+/// At a contact closest points no longer tell a direction. The best of: the features' own normals, and the axes of
+/// instants at which the two were still (or again) well apart, turned on to now.
+Vec3 bestNormal(const PairPiece& piece, const Instant& now, const Element& ea, const Element& eb, const Vec3& first,
+                double apart_at) {
+  const Cores cores(now, ea, eb);
+  Vec3 best = first;
+  const auto gapAlong = [&](const Vec3& n) {
+    return n.dot(cores.b.place(cores.b.supportLocal(-n))) - n.dot(cores.a.place(cores.a.supportLocal(n)));
+  };
+  double best_gap = gapAlong(first);
+  const auto propose = [&](const Vec3& direction) {
+    const double length = direction.norm();
+    if (!(length > 0.0)) return;
+    const double gap = gapAlong(direction / length);
+    if (gap > best_gap) {
+      best_gap = gap;
+      best = direction / length;
+    }
+  };
+  for (const Axis& axis : featureAxes(piece, now, ea, eb)) propose(axis.direction);
+  const double whole = apart_at - now.t;
+  const double size = std::min(coreReach(ea), coreReach(eb)) + piece.point_error;
+  for (double share = 1e-2; share > 1e-9; share *= 0.1) {
+    const double step = std::copysign(std::min(std::abs(whole), share * size / piece.speed), whole);
+    if (step == 0.0) break;
+    const Instant then = piece.at(now.t + step);
+    const Axis axis = axisOf(piece, then, closestPoints(Cores(then, ea, eb), Vec3::Zero()), false);
+    if (!axis.valid) continue;
+    propose(axis.direction - step * axis.rate);
+    propose(axis.direction);
+  }
+  return best;
+}
+
 /// The side's identity and witness, from a point of the contact in world axes relative to A's origin.
 Side sideOf(const PosedCore& core, const Vec3& point, Feature feature) {
   Side side;
@@ -205,7 +239,8 @@ double worldRounding(const PairPiece& piece, const Instant& now) {
 
 }  // namespace
 
-ContactFacts describeContact(const PairPiece& piece, const Instant& now, double span, ElementPair pair, double slid) {
+ContactFacts describeContact(const PairPiece& piece, const Instant& now, double span, ElementPair pair,
+                             double apart_at, double slid) {
   ContactFacts f;
   const RelativeMotion& m = piece.motion;
   Vec3 buffer_a[3], buffer_b[3];
@@ -238,19 +273,7 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
     for (int i = 0; i < closest.count; ++i) witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
     return describeOverlap(piece, now, witness);
   }
-  if (radius == 0.0) {  // the best of the features' own normals, where closest points no longer tell
-    const auto gapAlong = [&](const Vec3& n) {
-      return n.dot(cores.b.place(cores.b.supportLocal(-n))) - n.dot(cores.a.place(cores.a.supportLocal(n)));
-    };
-    double best = gapAlong(axis.direction);
-    for (const Axis& other : featureAxes(piece, now, ea, eb)) {
-      const double found = gapAlong(other.direction);
-      if (found > best) {
-        best = found;
-        axis = other;
-      }
-    }
-  }
+  if (radius == 0.0) axis.direction = bestNormal(piece, now, ea, eb, axis.direction, apart_at);
   const Vec3 n = axis.direction.normalized();
   const Vec3 e1 = n.unitOrthogonal(), e2 = n.cross(e1);
   const double turned = (m.spinA() + m.spinB()) * span;

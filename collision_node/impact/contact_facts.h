@@ -21,8 +21,9 @@ struct ContactFacts {
 /// lies within `span` of now.t, is within position_error of `position` + A's origin at now.t (world); the common
 /// support plane there has its normal within normal_error of `normal`. Derivation: docs/solver.md, "The ball".
 /// `slid` [m] is what either body may have moved since a bracket that opened on an earlier piece.
+/// `apart_at` [s] lies on the side in time on which the pair is apart: 0 for an impact, the piece's end for a separation.
 ContactFacts describeContact(const PairPiece& piece, const Instant& now, double span, ElementPair pair,
-                             double slid = 0.0);
+                             double apart_at, double slid = 0.0);
 
 /// No pair is known (the budget ran out): a ball that holds all shared points within `span` of now.
 ContactFacts describeUnknown(const PairPiece& piece, const Instant& now, double span);

@@ -22,26 +22,36 @@ double chordError(const PairPiece& piece, double dt) {
 
 double det(const Vec3& a, const Vec3& b, const Vec3& c) { return a.dot(b.cross(c)); }
 
+/// Control vectors of the product of two linear vector functions u(x), v(x) given at both ends.
+double largestCross(const Vec3& u0, const Vec3& u1, const Vec3& v0, const Vec3& v1) {
+  return std::max({u0.cross(v0).norm(), 0.5 * (u0.cross(v1) + u1.cross(v0)).norm(), u1.cross(v1).norm()});
+}
+
 /// Every face at a known side of the origin between the two instants: Bernstein coefficients of the determinant of
 /// three chords, minus what the true paths can differ from them.
 bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, const Wrap& wrap) {
   const double e = chordError(piece, to.t - from.t);
   std::vector<Vec3> p(wrap.points.size()), q(wrap.points.size());
-  std::vector<double> size(wrap.points.size());
   for (std::size_t i = 0; i < p.size(); ++i) {
     p[i] = differenceAt(from, wrap.points[i]);
     q[i] = differenceAt(to, wrap.points[i]);
-    size[i] = std::max(p[i].norm(), q[i].norm()) * (1.0 + 16.0 * kUnit) + e;
   }
   for (const auto& f : wrap.faces) {
-    const int i = f[0], j = f[1], k = f[2];
-    // |det(u + e) - det(u)| <= e (|v||w| + |u||w| + |u||v|) with sizes that already hold e; 32u for the arithmetic.
-    const double slack = e * (size[i] * size[j] + size[j] * size[k] + size[i] * size[k]) +
-                         32.0 * kUnit * size[i] * size[j] * size[k];
-    const double b0 = det(p[i], p[j], p[k]);
-    const double b3 = det(q[i], q[j], q[k]);
-    const double b1 = det(q[i], p[j], p[k]) + det(p[i], q[j], p[k]) + det(p[i], p[j], q[k]);
-    const double b2 = det(p[i], q[j], q[k]) + det(q[i], p[j], q[k]) + det(q[i], q[j], p[k]);
+    const Vec3 &pi = p[f[0]], &pj = p[f[1]], &pk = p[f[2]], &qi = q[f[0]], &qj = q[f[1]], &qk = q[f[2]];
+    const double size_i = std::max(pi.norm(), qi.norm()), size_j = std::max(pj.norm(), qj.norm()),
+                 size_k = std::max(pk.norm(), qk.norm());
+    // d det = (w_j x w_k) . dw_i + ..., with every dw up to e: first, second and third order.
+    const double first = largestCross(pi, qi, pj, qj) + largestCross(pj, qj, pk, qk) + largestCross(pk, qk, pi, qi);
+    const double sum = size_i + size_j + size_k;
+    // The determinant is taken along the face's edges, so that slivers keep their digits.
+    const Vec3 pu = pj - pi, pv = pk - pi, qu = qj - qi, qv = qk - qi;
+    const double edges = std::max(pu.norm(), qu.norm()) * std::max(pv.norm(), qv.norm());
+    const double slack = (e * (first + 32.0 * kUnit * sum * sum) + 2.0 * e * e * sum + e * e * e +
+                          32.0 * kUnit * size_i * edges) * (1.0 + 64.0 * kUnit);
+    const double b0 = det(pi, pu, pv);
+    const double b3 = det(qi, qu, qv);
+    const double b1 = det(qi, pu, pv) + det(pi, qu, pv) + det(pi, pu, qv);
+    const double b2 = det(pi, qu, qv) + det(qi, pu, qv) + det(qi, qu, pv);
     if (!(b0 > slack && b3 > slack && b1 > 3.0 * slack && b2 > 3.0 * slack)) return false;
   }
   return true;
