@@ -40,9 +40,8 @@ Bounds boundsOf(const Element& e) {
     // A disc of radius r with unit normal n reaches r sqrt(1 - n_k^2) along axis k.
     Vec3 reach;
     for (int k = 0; k < 3; ++k) {
-      reach[k] = (e.half_length * std::abs(e.axis[k]) +
-                  e.rim_radius * std::sqrt(std::max(0.0, 1.0 - e.axis[k] * e.axis[k] + 1e-15))) *
-                 kUp;
+      const double across = std::hypot(e.axis[(k + 1) % 3], e.axis[(k + 2) % 3]);
+      reach[k] = (e.half_length * std::abs(e.axis[k]) + e.rim_radius * across) * kUp;
     }
     b.add(e.centre - reach);
     b.add(e.centre + reach);
@@ -187,7 +186,8 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
     } else if (const auto* box = std::get_if<Box>(&shape)) {
       std::vector<Vec3> corners;
       for (int i = 0; i < 8; ++i) {
-        corners.push_back(0.5 * Vec3(i & 1 ? box->size.x() : -box->size.x(), i & 2 ? box->size.y() : -box->size.y(),
+        corners.push_back(0.5 * Vec3(i & 1 ? box->size.x() : -box->size.x(),
+                                     i & 2 ? box->size.y() : -box->size.y(),
                                      i & 4 ? box->size.z() : -box->size.z()));
       }
       addVertices(corners, 0.0);
@@ -214,8 +214,8 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       std::vector<int> parent(mesh.vertices.size());
       std::iota(parent.begin(), parent.end(), 0);
       for (const auto& t : mesh.triangles) {
-        triangles_.push_back({{first_vertex + t[0], first_vertex + t[1], first_vertex + t[2]},
-                              static_cast<std::int32_t>(s)});
+        triangles_.push_back(
+            {{first_vertex + t[0], first_vertex + t[1], first_vertex + t[2]}, static_cast<std::int32_t>(s)});
         const int root = rootOf(parent, t[0]);
         parent[rootOf(parent, t[1])] = root;
         parent[rootOf(parent, t[2])] = rootOf(parent, root);
@@ -227,8 +227,8 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
         seen[root] = true;
       }
       if (mesh.solid) {
-        solids_.push_back({static_cast<int>(s), first_triangle_of_shape_[s],
-                           static_cast<std::int32_t>(triangles_.size())});
+        solids_.push_back(
+            {static_cast<int>(s), first_triangle_of_shape_[s], static_cast<std::int32_t>(triangles_.size())});
       }
     }
   }

@@ -9,7 +9,8 @@
 namespace collision_node::geometry {
 
 /// A convex set: the hull of `count` vertices, or a solid cylinder, grown by `radius` in all directions.
-/// A triangle, box (8 vertices), convex hull, point/sphere (1 vertex) and capsule (2 vertices) are all of this form.
+/// A triangle, box (8 vertices), convex hull, point/sphere (1 vertex) and capsule (2 vertices) are all of
+/// this form.
 struct Element {
   const Vec3* vertices = nullptr;  ///< [m], object frame; null for a cylinder
   int count = 0;
@@ -23,12 +24,13 @@ struct Element {
   int triangle = -1;          ///< index into the mesh's triangles, -1 for a primitive
 };
 
-/// A node of the hierarchy. Boxes are axis-aligned in the object's frame and hold their elements, rounded outward.
+/// A node of the hierarchy. Boxes are axis-aligned in the object's frame and hold their elements, rounded
+/// outward.
 struct BvhNode {
   Vec3 centre;
-  Vec3 half;             ///< half extents
-  double reach = 0.0;    ///< >= distance of any point of the node from the frame's origin
-  std::int32_t left = -1;   ///< child; the other child is left + 1. -1: a leaf
+  Vec3 half;                  ///< half extents
+  double reach = 0.0;         ///< >= distance of any point of the node from the frame's origin
+  std::int32_t left = -1;     ///< child; the other child is left + 1. -1: a leaf
   std::int32_t element = -1;  ///< a leaf's element
 };
 
@@ -47,14 +49,16 @@ class Body {
   Body& operator=(const Body&) = delete;
 
   const std::vector<PlacedShape>& shapes() const { return shapes_; }
-  std::int32_t elementCount() const { return triangle_count_ + static_cast<std::int32_t>(primitives_.size()); }
+  std::int32_t elementCount() const {
+    return triangle_count_ + static_cast<std::int32_t>(primitives_.size());
+  }
   /// Fills `buffer[0..2]` for a triangle; the returned view points into `buffer` or into the body.
   Element element(std::int32_t id, Vec3* buffer) const;
 
   const std::vector<BvhNode>& nodes() const { return nodes_; }  ///< [0] is the root
   const std::vector<SolidMesh>& solids() const { return solids_; }
-  /// One point of every connected component of the body: if none is inside a solid, and the surfaces are apart,
-  /// nothing of this body is inside it.
+  /// One point of every connected component of the body: if none is inside a solid, and the surfaces are
+  /// apart, nothing of this body is inside it.
   const std::vector<Vec3>& representatives() const { return representatives_; }
   double reach() const { return nodes_[0].reach; }  ///< >= distance of any point from the object's origin [m]
   Vec3 centre() const { return nodes_[0].centre; }  ///< of the bounding sphere

@@ -19,7 +19,7 @@ struct UrdfLink {
 
 struct UrdfModel {
   std::string name;
-  std::vector<UrdfLink> links;            ///< root first, then depth first, siblings by joint name
+  std::vector<UrdfLink> links;              ///< root first, then depth first, siblings by joint name
   std::vector<std::string> movable_joints;  ///< held at 0
   std::vector<std::string> warnings;        ///< e.g. links without a collision element
 };

@@ -12,14 +12,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-double coreReach(const Element& e) {
-  if (e.vertices == nullptr) return e.centre.norm() + std::hypot(e.rim_radius, e.half_length);
-  double reach = 0.0;
-  for (int i = 0; i < e.count; ++i) reach = std::max(reach, e.vertices[i].norm());
-  return reach;
-}
-
-/// Points of the core that tell its extent: all vertices, or corners and rim points of a cylinder (inscribed).
+/// Points of the core that tell its extent: all vertices, or corners and rim points of a cylinder
+/// (inscribed).
 std::vector<Vec3> samplePoints(const PosedCore& core, const Vec3& n) {
   const Element& e = *core.element;
   std::vector<Vec3> points;
@@ -77,7 +71,8 @@ std::vector<Vec3> capPoints(const PosedCore& core, const Vec3& n, double depth, 
   }
   const Vec3 other = e.axis.cross(across);
   const double r = e.rim_radius;
-  const double z_low = std::abs(along) > 0.0 ? std::max(-1.0, 1.0 - depth / (std::abs(along) * e.half_length)) : -1.0;
+  const double z_low =
+      std::abs(along) > 0.0 ? std::max(-1.0, 1.0 - depth / (std::abs(along) * e.half_length)) : -1.0;
   const double x_low = radial > 0.0 ? std::max(-r, r - depth / radial) : -r;
   double side = x_low > 0.0 ? std::sqrt(std::max(0.0, r * r - x_low * x_low)) : r;
   if (radial > 0.0 && tilt < 0.5 * radial) side = std::min(side, r * std::sin(2.0 * tilt / radial));
@@ -106,10 +101,11 @@ Feature featureOf(const PosedCore& core, const Vec3& n, double tolerance) {
   return held == 1 ? Feature::kVertex : held == 2 ? Feature::kEdge : Feature::kFace;
 }
 
-/// Half angle of a cone about n that holds every direction n' with n' . (b - a) >= -moved for all sampled points:
-/// if the differences that lie within h of the plane surround the origin up to radius l, sin(angle) <= (moved + h)/l.
-double normalConeFromPoints(const std::vector<Vec3>& pa, const std::vector<Vec3>& pb, const Vec3& n, const Vec3& e1,
-                            const Vec3& e2, double gap, double moved) {
+/// Half angle of a cone about n that holds every direction n' with n' . (b - a) >= -moved for all sampled
+/// points: if the differences that lie within h of the plane surround the origin up to radius l, sin(angle)
+/// <= (moved + h)/l.
+double normalConeFromPoints(const std::vector<Vec3>& pa, const std::vector<Vec3>& pb, const Vec3& n,
+                            const Vec3& e1, const Vec3& e2, double gap, double moved) {
   struct Difference {
     double height;
     Vec2 across;
@@ -122,12 +118,14 @@ double normalConeFromPoints(const std::vector<Vec3>& pa, const std::vector<Vec3>
       all.push_back({std::max(0.0, n.dot(w) - gap), {e1.dot(w), e2.dot(w)}});
     }
   }
-  std::sort(all.begin(), all.end(), [](const Difference& x, const Difference& y) { return x.height < y.height; });
+  std::sort(all.begin(), all.end(),
+            [](const Difference& x, const Difference& y) { return x.height < y.height; });
   double best = M_PI;
   Polygon used;
   for (std::size_t i = 0; i < all.size(); ++i) {
     used.push_back(all[i].across);
-    const bool last_of_level = i + 1 == all.size() || all[i + 1].height > all[i].height * (1.0 + 1e-9) + 1e-300;
+    const bool last_of_level =
+        i + 1 == all.size() || all[i + 1].height > all[i].height * (1.0 + 1e-9) + 1e-300;
     if (!last_of_level || used.size() < 3) continue;
     const double sine_low = moved + all[i].height;
     const double l = discInHull(used);
@@ -138,9 +136,9 @@ double normalConeFromPoints(const std::vector<Vec3>& pa, const std::vector<Vec3>
 }
 
 /// How far the computed closest vector may lean from the exact one [rad].
-/// Any answer: |v - v*|^2 <= |v|^2 - v . w for the farthest w (the duality gap). Where every vertex outside the simplex
-/// lies clearly beyond its plane, the exact closest point is in the simplex too, and a point or segment is well
-/// conditioned: the error is of first order.
+/// Any answer: |v - v*|^2 <= |v|^2 - v . w for the farthest w (the duality gap). Where every vertex outside
+/// the simplex lies clearly beyond its plane, the exact closest point is in the simplex too, and a point or
+/// segment is well conditioned: the error is of first order.
 double directionError(const PairPiece& piece, const Cores& cores, const Closest& closest, double gap) {
   const double length = closest.v.norm();
   const double dual = std::sqrt((std::max(0.0, length - gap) + 8.0 * piece.point_error) / length);
@@ -161,10 +159,10 @@ double directionError(const PairPiece& piece, const Cores& cores, const Closest&
   return 64.0 * piece.point_error / gap;
 }
 
-/// Is one side's part in the closest points a single vertex, and too far ahead of its other vertices to lose that
-/// while everything moves by `moved` and the normal by `lean`? Then that side is as good as a point.
-bool staysOneVertex(const Cores& cores, const Closest& closest, bool side_a, const Vec3& n, double gap, double moved,
-                    double lean) {
+/// Is one side's part in the closest points a single vertex, and too far ahead of its other vertices to lose
+/// that while everything moves by `moved` and the normal by `lean`? Then that side is as good as a point.
+bool staysOneVertex(const Cores& cores, const Closest& closest, bool side_a, const Vec3& n, double gap,
+                    double moved, double lean) {
   const PosedCore& core = side_a ? cores.a : cores.b;
   if (core.element->vertices == nullptr) return false;
   const Vec3 held = side_a ? closest.point[0].local_a : closest.point[0].local_b;
@@ -176,15 +174,16 @@ bool staysOneVertex(const Cores& cores, const Closest& closest, bool side_a, con
     const Vec3& v = core.element->vertices[i];
     if (v == held) continue;
     const Vec3 e = *core.rotation * (v - held);
-    if (!(sign * n.dot(e) > 4.0 * moved + e.norm() * lean + std::max(0.0, closest.v.norm() - gap))) return false;
+    if (!(sign * n.dot(e) > 4.0 * moved + e.norm() * lean + std::max(0.0, closest.v.norm() - gap)))
+      return false;
   }
   return true;
 }
 
-/// At a contact closest points no longer tell a direction. The best of: the features' own normals, and the axes of
-/// instants at which the two were still (or again) well apart, turned on to now.
-Vec3 bestNormal(const PairPiece& piece, const Instant& now, const Element& ea, const Element& eb, const Vec3& first,
-                double apart_at) {
+/// At a contact closest points no longer tell a direction. The best of: the features' own normals, and the
+/// axes of instants at which the two were still (or again) well apart, turned on to now.
+Vec3 bestNormal(const PairPiece& piece, const Instant& now, const Element& ea, const Element& eb,
+                const Vec3& first, double apart_at) {
   const Cores cores(now, ea, eb);
   Vec3 best = first;
   const auto gapAlong = [&](const Vec3& n) {
@@ -227,8 +226,7 @@ Side sideOf(const PosedCore& core, const Vec3& point, Feature feature) {
 
 void addVelocities(const PairPiece& piece, const Instant& now, ContactFacts& f) {
   const RelativeMotion& m = piece.motion;
-  f.relative_velocity =
-      now.d_rate + m.omegaB().cross(f.position - now.d) - m.omegaA().cross(f.position);
+  f.relative_velocity = now.d_rate + m.omegaB().cross(f.position - now.d) - m.omegaA().cross(f.position);
   f.closing_speed = -f.relative_velocity.dot(f.normal);
 }
 
@@ -270,30 +268,34 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
     ContactWitness witness;
     witness.element_a = pair.a;
     witness.element_b = pair.b;
-    for (int i = 0; i < closest.count; ++i) witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
+    for (int i = 0; i < closest.count; ++i)
+      witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
     return describeOverlap(piece, now, witness);
   }
   if (radius == 0.0) axis.direction = bestNormal(piece, now, ea, eb, axis.direction, apart_at);
   const Vec3 n = axis.direction.normalized();
   const Vec3 e1 = n.unitOrthogonal(), e2 = n.cross(e1);
   const double turned = (m.spinA() + m.spinB()) * span;
-  const double speed = m.velocity(now.t).norm() + span * m.maxAcceleration() + m.spinA() * reach_a + m.spinB() * reach_b;
+  const double speed =
+      m.velocity(now.t).norm() + span * m.maxAcceleration() + m.spinA() * reach_a + m.spinB() * reach_b;
   const double moved = speed * span + slid + 2.0 * piece.point_error;
 
-  // Heights of the two support planes; where contact falls within the span, the gap between them is at most `moved`.
+  // Heights of the two support planes; where contact falls within the span, the gap between them is at most
+  // `moved`.
   const double top_a = n.dot(cores.a.place(cores.a.supportLocal(n)));
   const double low_b = n.dot(cores.b.place(cores.b.supportLocal(-n)));
   const double gap = std::clamp(low_b - top_a, 0.0, radius + moved);
   const double depth = moved + std::max(0.0, top_a - low_b);
 
   // The normal.
-  // At the touch n' . w >= radius for every core difference then, so n' . w >= radius - moved now, while n . w is at
-  // most height + radius + moved: sin(lean) l <= height + 2 moved.
-  double cone = normalConeFromPoints(samplePoints(cores.a, n), samplePoints(cores.b, n), n, e1, e2, low_b - top_a,
-                                     2.0 * moved + std::max(0.0, top_a - low_b));
+  // At the touch n' . w >= radius for every core difference then, so n' . w >= radius - moved now, while n .
+  // w is at most height + radius + moved: sin(lean) l <= height + 2 moved.
+  double cone = normalConeFromPoints(samplePoints(cores.a, n), samplePoints(cores.b, n), n, e1, e2,
+                                     low_b - top_a, 2.0 * moved + std::max(0.0, top_a - low_b));
   if (radius > 0.0 && gap > 2.0 * moved) {
     // A single point's closest vector moves at most twice as far as the point does in the other's frame.
-    const double lean = std::asin(std::min(1.0, 2.0 * moved / gap)) + directionError(piece, cores, closest, gap);
+    const double lean =
+        std::asin(std::min(1.0, 2.0 * moved / gap)) + directionError(piece, cores, closest, gap);
     const bool single = staysOneVertex(cores, closest, true, n, low_b - top_a, moved, lean + turned) ||
                         staysOneVertex(cores, closest, false, n, low_b - top_a, moved, lean + turned);
     const double any = std::acos((gap - moved) / (closest.v.norm() + moved));
@@ -311,7 +313,8 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
     return flat;
   };
   const Polygon cap_a = grownHull(project(capPoints(cores.a, n, depth, tilt)), moved);
-  const Polygon cap_b = grownHull(project(capPoints(cores.b, -n, depth, tilt)), moved + radius * std::sin(std::min(tilt, M_PI_2)));
+  const Polygon cap_b = grownHull(project(capPoints(cores.b, -n, depth, tilt)),
+                                  moved + radius * std::sin(std::min(tilt, M_PI_2)));
   Polygon region = intersection(cap_a, cap_b);
   if (region.empty()) region = cap_a.size() < cap_b.size() ? cap_a : cap_b;
   Vec2 centre;
@@ -319,13 +322,15 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   enclosingDisc(region, &centre, &disc);
   // Along n the contact lies on A's support plane, grown by A's radius.
   const double share = radius > 0.0 ? (ea.radius + 0.5 * piece.contact_distance) : 0.0;
-  f.position = n * (top_a + share - (radius > 0.0 ? 0.0 : 0.5 * std::max(0.0, top_a - low_b))) + e1 * centre.x() + e2 * centre.y();
+  f.position = n * (top_a + share - (radius > 0.0 ? 0.0 : 0.5 * std::max(0.0, top_a - low_b))) +
+               e1 * centre.x() + e2 * centre.y();
   const double lean = share * 2.0 * std::sin(0.5 * std::min(tilt, M_PI));
   // World position at the instant of contact: either body's own motion over the span, the smaller one.
   const double own_a = (m.velocityA(now.t).norm() + m.spinA() * (reach_a + ea.radius)) * span;
   const double own_b = (m.velocityB(now.t).norm() + m.spinB() * (reach_b + eb.radius)) * span;
   const double own = std::min(own_a, own_b + moved) + m.maxAcceleration() * span * span + slid;
-  f.position_error = std::hypot(disc, depth) + lean + own + 2.0 * piece.point_error + worldRounding(piece, now);
+  f.position_error =
+      std::hypot(disc, depth) + lean + own + 2.0 * piece.point_error + worldRounding(piece, now);
   f.position_error *= 1.0 + 64.0 * kUnit;
 
   const double tolerance = moved + 1e-9 * (reach_a + reach_b);
@@ -354,10 +359,12 @@ ContactFacts describeOverlap(const PairPiece& piece, const Instant& now, const C
   const Vec3 centre_a = now.ra * piece.a.centre(), centre_b = now.d + now.rb * piece.b.centre();
   const double from_a = (f.position - centre_a).norm() + piece.a.radius();
   const double from_b = (f.position - centre_b).norm() + piece.b.radius();
-  f.position_error = std::min(from_a, from_b) + piece.contact_distance + piece.point_error + worldRounding(piece, now);
+  f.position_error =
+      std::min(from_a, from_b) + piece.contact_distance + piece.point_error + worldRounding(piece, now);
   if (witness.element_a >= 0) {
     Vec3 buffer_a[3], buffer_b[3];
-    const Element ea = piece.a.element(witness.element_a, buffer_a), eb = piece.b.element(witness.element_b, buffer_b);
+    const Element ea = piece.a.element(witness.element_a, buffer_a),
+                  eb = piece.b.element(witness.element_b, buffer_b);
     const Cores cores(now, ea, eb);
     f.a = sideOf(cores.a, f.position, Feature::kUnknown);
     f.b = sideOf(cores.b, f.position, Feature::kUnknown);

@@ -6,10 +6,10 @@
 namespace collision_node::impact {
 
 struct ContactFacts {
-  Vec3 position = Vec3::Zero();  ///< world axes, relative to A's origin at the reference instant [m]
-  double position_error = 0.0;   ///< [m] see describeContact()
-  Vec3 normal = Vec3::Zero();    ///< unit, from A to B; NaN when unknown
-  double normal_error = 0.0;     ///< [rad]
+  Vec3 position = Vec3::Zero();           ///< world axes, relative to A's origin at the reference instant [m]
+  double position_error = 0.0;            ///< [m] see describeContact()
+  Vec3 normal = Vec3::Zero();             ///< unit, from A to B; NaN when unknown
+  double normal_error = 0.0;              ///< [rad]
   Vec3 relative_velocity = Vec3::Zero();  ///< v_b - v_a of the material points at `position` [m/s]
   double closing_speed = 0.0;             ///< [m/s]
   Side a, b;                              ///< features, elements and witness points; not the poses
@@ -17,11 +17,12 @@ struct ContactFacts {
 
 /// Facts of the contact of one pair of elements that begins or ends within `span` seconds of `now`.
 ///
-/// Guarantee: every point that the two elements share at the first (or last) instant of this contact, if that instant
-/// lies within `span` of now.t, is within position_error of `position` + A's origin at now.t (world); the common
-/// support plane there has its normal within normal_error of `normal`. Derivation: docs/solver.md, "The ball".
-/// `slid` [m] is what either body may have moved since a bracket that opened on an earlier piece.
-/// `apart_at` [s] lies on the side in time on which the pair is apart: 0 for an impact, the piece's end for a separation.
+/// Guarantee: every point that the two elements share at the first (or last) instant of this contact, if that
+/// instant lies within `span` of now.t, is within position_error of `position` + A's origin at now.t (world);
+/// the common support plane there has its normal within normal_error of `normal`. Derivation: docs/solver.md,
+/// "The ball". `slid` [m] is what either body may have moved since a bracket that opened on an earlier piece.
+/// `apart_at` [s] lies on the side in time on which the pair is apart: 0 for an impact, the piece's end for a
+/// separation.
 ContactFacts describeContact(const PairPiece& piece, const Instant& now, double span, ElementPair pair,
                              double apart_at, double slid = 0.0);
 

@@ -10,13 +10,16 @@ namespace {
 constexpr std::size_t kMaxWrapPoints = 96;
 
 /// The relative position of a material point pair at another instant.
-Vec3 differenceAt(const Instant& now, const SupportPair& p) { return now.d + now.rb * p.local_b - now.ra * p.local_a; }
+Vec3 differenceAt(const Instant& now, const SupportPair& p) {
+  return now.d + now.rb * p.local_b - now.ra * p.local_a;
+}
 
-/// Bound of |w(t) - chord| between two instants: the exact path's second derivative, and the points' own errors.
+/// Bound of |w(t) - chord| between two instants: the exact path's second derivative, and the points' own
+/// errors.
 double chordError(const PairPiece& piece, double dt) {
   const RelativeMotion& m = piece.motion;
-  const double acceleration = m.maxAcceleration() + m.spinA() * m.spinA() * piece.a.reach() +
-                              m.spinB() * m.spinB() * piece.b.reach();
+  const double acceleration =
+      m.maxAcceleration() + m.spinA() * m.spinA() * piece.a.reach() + m.spinB() * m.spinB() * piece.b.reach();
   return 0.125 * dt * dt * acceleration * (1.0 + 16.0 * kUnit) + piece.point_error;
 }
 
@@ -27,8 +30,8 @@ double largestCross(const Vec3& u0, const Vec3& u1, const Vec3& v0, const Vec3& 
   return std::max({u0.cross(v0).norm(), 0.5 * (u0.cross(v1) + u1.cross(v0)).norm(), u1.cross(v1).norm()});
 }
 
-/// Every face at a known side of the origin between the two instants: Bernstein coefficients of the determinant of
-/// three chords, minus what the true paths can differ from them.
+/// Every face at a known side of the origin between the two instants: Bernstein coefficients of the
+/// determinant of three chords, minus what the true paths can differ from them.
 bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, const Wrap& wrap) {
   const double e = chordError(piece, to.t - from.t);
   std::vector<Vec3> p(wrap.points.size()), q(wrap.points.size());
@@ -41,13 +44,15 @@ bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, c
     const double size_i = std::max(pi.norm(), qi.norm()), size_j = std::max(pj.norm(), qj.norm()),
                  size_k = std::max(pk.norm(), qk.norm());
     // d det = (w_j x w_k) . dw_i + ..., with every dw up to e: first, second and third order.
-    const double first = largestCross(pi, qi, pj, qj) + largestCross(pj, qj, pk, qk) + largestCross(pk, qk, pi, qi);
+    const double first =
+        largestCross(pi, qi, pj, qj) + largestCross(pj, qj, pk, qk) + largestCross(pk, qk, pi, qi);
     const double sum = size_i + size_j + size_k;
     // The determinant is taken along the face's edges, so that slivers keep their digits.
     const Vec3 pu = pj - pi, pv = pk - pi, qu = qj - qi, qv = qk - qi;
     const double edges = std::max(pu.norm(), qu.norm()) * std::max(pv.norm(), qv.norm());
     const double slack = (e * (first + 32.0 * kUnit * sum * sum) + 2.0 * e * e * sum + e * e * e +
-                          32.0 * kUnit * size_i * edges) * (1.0 + 64.0 * kUnit);
+                          32.0 * kUnit * size_i * edges) *
+                         (1.0 + 64.0 * kUnit);
     const double b0 = det(pi, pu, pv);
     const double b3 = det(qi, qu, qv);
     const double b1 = det(qi, pu, pv) + det(pi, qu, pv) + det(pi, pu, qv);
@@ -60,7 +65,8 @@ bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, c
 /// A wrap under construction: faces with their planes, and which face owns each directed edge.
 class WrapBuilder {
  public:
-  WrapBuilder(const Cores& cores, Wrap& wrap) : cores_(cores), wrap_(wrap), owner_(kMaxWrapPoints * kMaxWrapPoints, -1) {}
+  WrapBuilder(const Cores& cores, Wrap& wrap)
+      : cores_(cores), wrap_(wrap), owner_(kMaxWrapPoints * kMaxWrapPoints, -1) {}
 
   bool build(double depth);
 
@@ -234,7 +240,8 @@ bool WrapBuilder::build(double depth) {
 }
 
 /// |sum of weight_i w_i| control points of a linear blend between two instants, each within `limit`?
-bool closeThrough(const Instant& from, const Instant& to, const Closest& first, const Closest& last, double limit) {
+bool closeThrough(const Instant& from, const Instant& to, const Closest& first, const Closest& last,
+                  double limit) {
   const auto blend = [](const Closest& c, const Instant& now) {
     Vec3 x = Vec3::Zero();
     for (int i = 0; i < c.count; ++i) x += c.weight[i] * differenceAt(now, c.point[i]);
@@ -250,8 +257,8 @@ bool closeThrough(const Instant& from, const Instant& to, const Closest& first, 
 
 bool buildWrap(const Cores& cores, double depth, Wrap& wrap) { return WrapBuilder(cores, wrap).build(depth); }
 
-bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Closest& closest,
-               ContactWitness& witness) {
+bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+               const Closest& closest, ContactWitness& witness) {
   const Cores cores(now, a, b);
   const double radius = a.radius + b.radius + piece.contact_distance;
   if (radius > 0.0) {
@@ -270,7 +277,8 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
     if (!buildWrap(cores, depth, witness.wrap)) return false;
     if (wrapHolds(piece, now, now, witness.wrap)) {
       witness.rounded = false;
-      // The common point: by GJK's weights where it found the origin inside, else the support of the nearest face.
+      // The common point: by GJK's weights where it found the origin inside, else the support of the nearest
+      // face.
       Vec3 pa = Vec3::Zero();
       for (int i = 0; i < closest.count; ++i) pa += closest.weight[i] * (now.ra * closest.point[i].local_a);
       witness.point = pa;
@@ -280,16 +288,17 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
   return false;
 }
 
-bool touchesThrough(const PairPiece& piece, const Instant& from, const Instant& to, const Element& a, const Element& b,
-                    const ContactWitness& witness) {
+bool touchesThrough(const PairPiece& piece, const Instant& from, const Instant& to, const Element& a,
+                    const Element& b, const ContactWitness& witness) {
   if (!witness.rounded) return wrapHolds(piece, from, to, witness.wrap);
   const double radius = a.radius + b.radius + piece.contact_distance;
   const Closest last = closestPoints(Cores(to, a, b), witness.closest.v);
-  return closeThrough(from, to, witness.closest, last, radius - chordError(piece, to.t - from.t) - piece.point_error);
+  return closeThrough(from, to, witness.closest, last,
+                      radius - chordError(piece, to.t - from.t) - piece.point_error);
 }
 
-bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& to, bool point_is_a, const Vec3& point,
-                   const std::vector<std::array<Vec3, 3>>& patch) {
+bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& to, bool point_is_a,
+                   const Vec3& point, const std::vector<std::array<Vec3, 3>>& patch) {
   // In the triangles' frame, relative to where the point is at `from`: the triangles stand still.
   const auto pointAt = [&](const Instant& now) -> Vec3 {
     if (point_is_a) return now.rb.transpose() * (now.ra * point - now.d);
@@ -315,7 +324,8 @@ bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& t
   if (!(up.norm() > 0.0)) return false;
   up.normalize();
 
-  // The patch is a graph over the plane across `up`: every triangle, wound to face it, leans clearly towards it.
+  // The patch is a graph over the plane across `up`: every triangle, wound to face it, leans clearly towards
+  // it.
   std::vector<std::array<Vec3, 3>> faces;
   bool above = true, below = true;
   for (auto t : patch) {

@@ -34,18 +34,12 @@ Support supportValue(const Element& e, const Vec3& u0, const Vec3& u1, double s)
   return {u.dot(e.centre) + e.half_length * std::abs(along) + e.rim_radius * length, u1.dot(p)};
 }
 
-double coreReach(const Element& e) {
-  if (e.vertices == nullptr) return e.centre.norm() + std::hypot(e.rim_radius, e.half_length);
-  double reach2 = 0.0;
-  for (int i = 0; i < e.count; ++i) reach2 = std::max(reach2, e.vertices[i].squaredNorm());
-  return std::sqrt(reach2);
-}
-
 constexpr double kUp = 1.0 + 64.0 * kUnit;
 
 }  // namespace
 
-GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis)
+GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+                   const Axis& axis)
     : a_(a), b_(b), direction_(axis.direction), rate_(axis.rate) {
   const RelativeMotion& m = piece.motion;
   const double reach_a = coreReach(a) * kUp, reach_b = coreReach(b) * kUp;
@@ -61,8 +55,8 @@ GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a,
   grown_ = a.radius + b.radius + piece.contact_distance;
   const double turning = rate_.cross(m.omegaA()).norm() * reach_a + rate_.cross(m.omegaB()).norm() * reach_b;
   square_ = std::max(0.0, turning - rate_.dot(now.d_rate)) * kUp + 8.0 * kUnit * rate_length_ * piece.speed;
-  curve_ = 0.5 * kUp *
-           (m.maxAcceleration() + m.spinA() * m.spinA() * reach_a + m.spinB() * m.spinB() * reach_b);
+  curve_ =
+      0.5 * kUp * (m.maxAcceleration() + m.spinA() * m.spinA() * reach_a + m.spinB() * m.spinB() * reach_b);
   point_error_ = piece.point_error;
   rate_error_ = piece.rate_error;
 }
@@ -152,14 +146,15 @@ void addBothWays(std::vector<Axis>& axes, const Vec3& n, const Vec3& n_rate, dou
 }
 
 /// Axis, side normals through the other's vertices, and normals of the axis with the other's edges.
-void addCylinderAxes(std::vector<Axis>& axes, const Element& cylinder, const Mat3& rotation, const Vec3& origin,
-                     const Vec3& omega, const Element& other, const Mat3& other_rotation, const Vec3& other_origin,
-                     const Vec3& other_omega) {
+void addCylinderAxes(std::vector<Axis>& axes, const Element& cylinder, const Mat3& rotation,
+                     const Vec3& origin, const Vec3& omega, const Element& other, const Mat3& other_rotation,
+                     const Vec3& other_origin, const Vec3& other_omega) {
   const Vec3 axis = rotation * cylinder.axis;
   addBothWays(axes, axis, omega.cross(axis), 1.0);
   if (other.vertices == nullptr) {
     const Vec3 second = other_rotation * other.axis;
-    addBothWays(axes, axis.cross(second), omega.cross(axis).cross(second) + axis.cross(other_omega.cross(second)), 1.0);
+    addBothWays(axes, axis.cross(second),
+                omega.cross(axis).cross(second) + axis.cross(other_omega.cross(second)), 1.0);
     return;
   }
   if (other.count > 8) return;
@@ -178,7 +173,8 @@ void addCylinderAxes(std::vector<Axis>& axes, const Element& cylinder, const Mat
 
 }  // namespace
 
-std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b) {
+std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const Element& a,
+                              const Element& b) {
   std::vector<Axis> axes;
   if (a.vertices == nullptr || b.vertices == nullptr) {
     const RelativeMotion& motion = piece.motion;
@@ -196,7 +192,9 @@ std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const 
   const int count_a = a.count == 3 ? 3 : a.count - 1, count_b = b.count == 3 ? 3 : b.count - 1;
   for (int i = 0; i < count_a; ++i) edges_a[i] = now.ra * (a.vertices[(i + 1) % a.count] - a.vertices[i]);
   for (int j = 0; j < count_b; ++j) edges_b[j] = now.rb * (b.vertices[(j + 1) % b.count] - b.vertices[j]);
-  const auto add = [&](const Vec3& n, const Vec3& n_rate, double scale) { addBothWays(axes, n, n_rate, scale); };
+  const auto add = [&](const Vec3& n, const Vec3& n_rate, double scale) {
+    addBothWays(axes, n, n_rate, scale);
+  };
   if (count_a == 3) {
     const Vec3 n = edges_a[0].cross(edges_a[1]);
     add(n, m.omegaA().cross(n), edges_a[0].norm() * edges_a[1].norm());
@@ -233,7 +231,8 @@ double apartFor(const GapModel& model, double span, double* gap_now) {
       if (end.gap > 0.0) return high;
     }
   }
-  // Tangents from the right close in from above, chords from below; a chord's root is itself proved by evaluation.
+  // Tangents from the right close in from above, chords from below; a chord's root is itself proved by
+  // evaluation.
   for (int i = 0; i < 6; ++i) {
     const double chord = low + (high - low) * (low_gap / (low_gap - end.gap));
     if (chord > low && chord < high) {

@@ -1,8 +1,9 @@
 /// The one proof of clearance: two convex elements stay apart along a moving axis for a stated time.
 ///
-/// Guarantee: apartFor() returns s >= 0 such that the elements are farther than `contact_distance` apart, in exact
-/// arithmetic of the loaded geometry and the motion model, at every time in [t, t + s]; s == 0 proves nothing.
-/// The axis may be any; a poor one costs time, never a miss. Derivation: docs/solver.md, "The gap model".
+/// Guarantee: apartFor() returns s >= 0 such that the elements are farther than `contact_distance` apart, in
+/// exact arithmetic of the loaded geometry and the motion model, at every time in [t, t + s]; s == 0 proves
+/// nothing. The axis may be any; a poor one costs time, never a miss. Derivation: docs/solver.md, "The gap
+/// model".
 #pragma once
 
 #include <vector>
@@ -11,7 +12,8 @@
 
 namespace collision_node::impact {
 
-/// n(s) = direction + s rate, world axes, s seconds after the instant. `direction` is about unit and points from A to B.
+/// n(s) = direction + s rate, world axes, s seconds after the instant. `direction` is about unit and points
+/// from A to B.
 struct Axis {
   Vec3 direction = Vec3::Zero();
   Vec3 rate = Vec3::Zero();
@@ -36,17 +38,18 @@ class GapModel {
   double length_, rate_length_;
   Vec3 a0_, a1_, b0_, b1_;  ///< support directions in the objects' frames: a0 + s a1, for B negated
   double constant_, linear_;
-  double grown_;            ///< both radii and the contact distance
-  double square_, curve_;   ///< subtracted: square s^2 + curve s^2 |n(s)|
+  double grown_;           ///< both radii and the contact distance
+  double square_, curve_;  ///< subtracted: square s^2 + curve s^2 |n(s)|
   double point_error_, rate_error_;
 };
 
-/// The axis through the closest points, turning with the features that hold them; invalid when the cores overlap.
+/// The axis through the closest points, turning with the features that hold them; invalid when the cores
+/// overlap.
 Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, bool rounded);
 
-/// Normals of faces and of edge pairs for two triangles (separating axis theorem), axis, rim and side normals where a
-/// cylinder takes part, all turning with their features; for the last few budgets before a contact, where closest
-/// points no longer tell a direction. Empty for other elements.
+/// Normals of faces and of edge pairs for two triangles (separating axis theorem), axis, rim and side normals
+/// where a cylinder takes part, all turning with their features; for the last few budgets before a contact,
+/// where closest points no longer tell a direction. Empty for other elements.
 std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b);
 
 /// See the guarantee above; at most `span`. `gap_now` receives the proved gap at s = 0 (<= 0: none).

@@ -74,7 +74,8 @@ Reduced closestOnTetrahedron(const SupportPair* p) {
   bool inside = true;
   double volumes[4];
   for (int f = 0; f < 4; ++f) {
-    const Vec3 &a = p[kFaces[f][0]].w, &b = p[kFaces[f][1]].w, &c = p[kFaces[f][2]].w, &opposite = p[kFaces[f][3]].w;
+    const Vec3 &a = p[kFaces[f][0]].w, &b = p[kFaces[f][1]].w, &c = p[kFaces[f][2]].w,
+               &opposite = p[kFaces[f][3]].w;
     const Vec3 n = (b - a).cross(c - a);
     const double origin_side = -n.dot(a);
     const double other_side = n.dot(opposite - a);
@@ -89,7 +90,8 @@ Reduced closestOnTetrahedron(const SupportPair* p) {
   best.count = 4;
   best.v = Vec3::Zero();
   // The weight of a vertex is the volume over the face opposite to it.
-  const double total = std::abs(volumes[0]) + std::abs(volumes[1]) + std::abs(volumes[2]) + std::abs(volumes[3]);
+  const double total =
+      std::abs(volumes[0]) + std::abs(volumes[1]) + std::abs(volumes[2]) + std::abs(volumes[3]);
   for (int f = 0; f < 4; ++f) {
     best.index[f] = f;
     best.weight[kFaces[f][3]] = std::abs(volumes[f]) / total;
@@ -99,10 +101,14 @@ Reduced closestOnTetrahedron(const SupportPair* p) {
 
 Reduced reduce(const SupportPair* p, int count) {
   switch (count) {
-    case 1: return closestOnPoint(p, 0);
-    case 2: return closestOnSegment(p, 0, 1);
-    case 3: return closestOnTriangle(p, 0, 1, 2);
-    default: return closestOnTetrahedron(p);
+    case 1:
+      return closestOnPoint(p, 0);
+    case 2:
+      return closestOnSegment(p, 0, 1);
+    case 3:
+      return closestOnTriangle(p, 0, 1, 2);
+    default:
+      return closestOnTetrahedron(p);
   }
 }
 
@@ -135,6 +141,13 @@ Closest pointToCylinder(const Cores& cores, bool point_is_a) {
 }
 
 }  // namespace
+
+double coreReach(const Element& e) {
+  if (e.vertices == nullptr) return e.centre.norm() + std::hypot(e.rim_radius, e.half_length);
+  double reach2 = 0.0;
+  for (int i = 0; i < e.count; ++i) reach2 = std::max(reach2, e.vertices[i].squaredNorm());
+  return std::sqrt(reach2);
+}
 
 Vec3 supportOf(const Element& e, const Vec3& direction) {
   if (e.vertices != nullptr) {

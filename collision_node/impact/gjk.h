@@ -1,5 +1,6 @@
-/// Closest points of two posed convex cores (Gilbert, Johnson, Keerthi 1988). A proposal, never a proof: whatever
-/// it returns is checked by gap_model.h or contact_proof.h, so non-convergence costs speed, not correctness.
+/// Closest points of two posed convex cores (Gilbert, Johnson, Keerthi 1988). A proposal, never a proof:
+/// whatever it returns is checked by gap_model.h or contact_proof.h, so non-convergence costs speed, not
+/// correctness.
 #pragma once
 
 #include "collision_node/impact/pair_piece.h"
@@ -8,7 +9,7 @@ namespace collision_node::impact {
 
 /// A core point of A and one of B and their difference.
 struct SupportPair {
-  Vec3 w;           ///< b - a, world axes
+  Vec3 w;                 ///< b - a, world axes
   Vec3 local_a, local_b;  ///< in each object's frame
 };
 
@@ -34,7 +35,7 @@ struct Cores {
 };
 
 struct Closest {
-  int count = 0;          ///< 1..4 points in use
+  int count = 0;  ///< 1..4 points in use
   SupportPair point[4];
   double weight[4] = {};  ///< convex
   Vec3 v = Vec3::Zero();  ///< closest point of B - A to the origin: from A to B
@@ -44,6 +45,9 @@ struct Closest {
 
 /// Closest points of the cores. `guess` is a first direction, e.g. the last answer's v.
 Closest closestPoints(const Cores& cores, const Vec3& guess);
+
+/// The largest distance of a point of the element's core from its object's origin, to rounding.
+double coreReach(const Element& element);
 
 /// The extreme point of an element's core in its object's frame, along a direction in that frame.
 Vec3 supportOf(const Element& element, const Vec3& direction);

@@ -10,15 +10,17 @@ namespace {
 
 /// Fixed directions in general position; another is tried when a sign is uncertain.
 const Vec3 kDirections[] = {
-    {0.5773, 0.5613, 0.5930},  {-0.2715, 0.8437, -0.4632}, {0.1234, -0.3987, 0.9088}, {0.8461, -0.5102, -0.1543},
-    {-0.6621, -0.2113, 0.719}, {-0.3301, 0.2902, 0.8982},  {0.0417, 0.9913, 0.1247},  {-0.9411, 0.1871, -0.2817},
-    {0.2931, -0.9122, -0.287}, {0.6617, 0.1123, -0.7413},  {-0.1107, -0.7093, -0.696}, {0.3719, 0.7121, -0.5955}};
+    {0.5773, 0.5613, 0.5930},   {-0.2715, 0.8437, -0.4632}, {0.1234, -0.3987, 0.9088},
+    {0.8461, -0.5102, -0.1543}, {-0.6621, -0.2113, 0.719},  {-0.3301, 0.2902, 0.8982},
+    {0.0417, 0.9913, 0.1247},   {-0.9411, 0.1871, -0.2817}, {0.2931, -0.9122, -0.287},
+    {0.6617, 0.1123, -0.7413},  {-0.1107, -0.7093, -0.696}, {0.3719, 0.7121, -0.5955}};
 
 /// Could the line through `p` along `u`, thickened by `error`, meet the box ahead of p?
 bool meetsBox(const Vec3& p, const Vec3& u, const geometry::BvhNode& node, double error) {
   double low = -1e-300, high = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
-    const double half = node.half[k] + error + 1e-12 * (node.half[k] + std::abs(node.centre[k]) + std::abs(p[k]));
+    const double half =
+        node.half[k] + error + 1e-12 * (node.half[k] + std::abs(node.centre[k]) + std::abs(p[k]));
     const double near = (node.centre[k] - p[k] - half) / u[k], far = (node.centre[k] - p[k] + half) / u[k];
     low = std::max(low, std::min(near, far));
     high = std::min(high, std::max(near, far));
@@ -52,8 +54,8 @@ bool crossing(const Vec3& p, const Vec3& u, const Element& t, double error, int*
   return true;
 }
 
-bool windingAlong(const Body& body, const geometry::SolidMesh& solid, const Vec3& p, const Vec3& u, double error,
-                  int* winding) {
+bool windingAlong(const Body& body, const geometry::SolidMesh& solid, const Vec3& p, const Vec3& u,
+                  double error, int* winding) {
   const auto& nodes = body.nodes();
   std::vector<std::int32_t> stack = {0};
   Vec3 buffer[3];
@@ -97,7 +99,8 @@ Where whereIn(const Body& body, const geometry::SolidMesh& solid, const Vec3& po
   if (off.maxCoeff() > error + 1e-12 * (root.reach + point.norm())) return Where::kOutside;
   for (const Vec3& u : kDirections) {
     int winding = 0;
-    if (windingAlong(body, solid, point, u, error, &winding)) return winding != 0 ? Where::kInside : Where::kOutside;
+    if (windingAlong(body, solid, point, u, error, &winding))
+      return winding != 0 ? Where::kInside : Where::kOutside;
   }
   return Where::kUnknown;
 }
@@ -109,7 +112,8 @@ Where containment(const PairPiece& piece, const Instant& now, Vec3* held) {
   Vec3 found;
   std::vector<Vec3> points;
   if (!piece.b.solids().empty()) {
-    for (const Vec3& x : piece.a.representatives()) points.push_back(now.rb.transpose() * (now.ra * x - now.d));
+    for (const Vec3& x : piece.a.representatives())
+      points.push_back(now.rb.transpose() * (now.ra * x - now.d));
     answer = anyInside(piece.b, points, error, &found);
     if (answer == Where::kInside) {
       *held = now.d + now.rb * found;
@@ -118,7 +122,8 @@ Where containment(const PairPiece& piece, const Instant& now, Vec3* held) {
   }
   if (!piece.a.solids().empty()) {
     points.clear();
-    for (const Vec3& y : piece.b.representatives()) points.push_back(now.ra.transpose() * (now.d + now.rb * y));
+    for (const Vec3& y : piece.b.representatives())
+      points.push_back(now.ra.transpose() * (now.d + now.rb * y));
     const Where other = anyInside(piece.a, points, error, &found);
     if (other == Where::kInside) {
       *held = now.ra * found;

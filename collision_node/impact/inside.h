@@ -11,8 +11,9 @@ enum class Where { kInside, kOutside, kUnknown };
 /// kInside and kOutside are proofs for every point of the ball; kUnknown says nothing.
 Where whereIn(const Body& body, const geometry::SolidMesh& solid, const Vec3& point, double error);
 
-/// Does one body's solid hold a part of the other? Meant for an instant at which all surfaces are proved apart.
-/// kInside: yes, proved; kOutside: no, proved, for all parts. `held` receives a common point relative to A's origin.
+/// Does one body's solid hold a part of the other? Meant for an instant at which all surfaces are proved
+/// apart. kInside: yes, proved; kOutside: no, proved, for all parts. `held` receives a common point relative
+/// to A's origin.
 Where containment(const PairPiece& piece, const Instant& now, Vec3* held);
 
 }  // namespace collision_node::impact

@@ -1,4 +1,5 @@
-/// The question this package answers, as one interface: when and where do two links touch on one piece of time?
+/// The question this package answers, as one interface: when and where do two links touch on one piece of
+/// time?
 #pragma once
 
 #include <cstdint>
@@ -23,8 +24,16 @@ using motion::Nanoseconds;
 enum class Kind : std::uint8_t { kImpact = 0, kSeparation = 1, kInitialOverlap = 2 };
 enum class Certificate : std::uint8_t { kConfirmed = 0, kPossible = 1, kUncertified = 2 };
 enum class Reason : std::uint8_t {
-  kNone = 0, kPrecision = 1, kBudget = 2, kGrazing = 3, kGap = 4, kReset = 5,
-  kStampGuessed = 6, kAlias = 7, kTimeout = 8, kMethod = 9
+  kNone = 0,
+  kPrecision = 1,
+  kBudget = 2,
+  kGrazing = 3,
+  kGap = 4,
+  kReset = 5,
+  kStampGuessed = 6,
+  kAlias = 7,
+  kTimeout = 8,
+  kMethod = 9
 };
 enum class Feature : std::uint8_t { kUnknown = 0, kVertex = 1, kEdge = 2, kFace = 3, kSmooth = 4 };
 
@@ -46,11 +55,11 @@ struct PairOptions {
 
 /// One side of a contact, in the frame of the object (not of the link).
 struct Side {
-  int shape = -1;     ///< index into the body's shapes, -1 unknown
+  int shape = -1;  ///< index into the body's shapes, -1 unknown
   Feature feature = Feature::kUnknown;
-  int triangle = -1;  ///< index into the mesh's triangles, -1 none
-  Vec3 point = Vec3::Zero();  ///< witness [m]
-  Pose pose;          ///< world <- object at toi_lower
+  int triangle = -1;                                      ///< index into the mesh's triangles, -1 none
+  Vec3 point = Vec3::Zero();                              ///< witness [m]
+  Pose pose;                                              ///< world <- object at toi_lower
   Nanoseconds sample_before_ns = 0, sample_after_ns = 0;  ///< this object's segment; 0 for a fixed object
 };
 
@@ -64,10 +73,10 @@ struct PairEvent {
   Vec3 position = Vec3::Zero();                            ///< world [m]
   double position_error = 0.0;                             ///< [m]
   bool multiple = false;
-  Vec3 normal = Vec3::Zero();                              ///< unit, from a to b, world; NaN if undefined
-  double normal_error = 0.0;                               ///< [rad]
-  Vec3 relative_velocity = Vec3::Zero();                   ///< v_b - v_a of the material points, world [m/s]
-  double closing_speed = 0.0;                              ///< [m/s] -(v_b - v_a).normal
+  Vec3 normal = Vec3::Zero();             ///< unit, from a to b, world; NaN if undefined
+  double normal_error = 0.0;              ///< [rad]
+  Vec3 relative_velocity = Vec3::Zero();  ///< v_b - v_a of the material points, world [m/s]
+  double closing_speed = 0.0;             ///< [m/s] -(v_b - v_a).normal
   Side a, b;
 };
 
@@ -85,10 +94,11 @@ struct PairState {
   enum class Phase : std::uint8_t { kNew, kApart, kTouching, kUndecided };
   Phase phase = Phase::kNew;
   bool was_touching = false;  ///< kUndecided: the bracket opened from contact (else from apart)
-  bool published = false;     ///< kUndecided for so long that the bracket was published; it holds nothing up any more
-  PairEvent pending;          ///< kUndecided: the bracket being searched, toi_lower is set
+  bool published =
+      false;          ///< kUndecided for so long that the bracket was published; it holds nothing up any more
+  PairEvent pending;  ///< kUndecided: the bracket being searched, toi_lower is set
   double pending_speed = 0.0;  ///< kUndecided: the largest relative speed since the bracket opened [m/s]
-  PairEvent contact;          ///< kTouching (and kUndecided from contact): the event that opened the contact
+  PairEvent contact;           ///< kTouching (and kUndecided from contact): the event that opened the contact
   Nanoseconds decided_ns = 0;  ///< everything up to here is decided
   Piece last_piece;            ///< the last piece advanced over
 };
@@ -102,23 +112,27 @@ class PairMethod {
   /// Appends the changes of contact on `piece`, in time order, and brings `state` to the piece's end.
   /// Pieces of one pair adjoin: piece.start_ns equals the previous piece.end_ns, else call interrupt() first.
   /// Never throws for numeric reasons.
-  virtual PieceOutcome advance(const Piece& piece, PairState& state, std::vector<PairEvent>& events) const = 0;
+  virtual PieceOutcome advance(const Piece& piece, PairState& state,
+                               std::vector<PairEvent>& events) const = 0;
 
-  /// Nothing more will come (end of bag, flush): publishes an open undecided bracket as POSSIBLE, toi_upper at the
-  /// last piece's end. An open contact stays open and makes no event.
+  /// Nothing more will come (end of bag, flush): publishes an open undecided bracket as POSSIBLE, toi_upper
+  /// at the last piece's end. An open contact stays open and makes no event.
   virtual void finish(PairState& state, std::vector<PairEvent>& events) const = 0;
 
-  /// Nothing is swept through a gap, teleport, timeout or reset: finish(), then for an open contact one UNCERTIFIED
-  /// SEPARATION at its last decided instant with `reason`. The state is new afterwards.
+  /// Nothing is swept through a gap, teleport, timeout or reset: finish(), then for an open contact one
+  /// UNCERTIFIED SEPARATION at its last decided instant with `reason`. The state is new afterwards.
   virtual void interrupt(PairState& state, Reason reason, std::vector<PairEvent>& events) const = 0;
 };
 
 /// The certified solver. Guarantee: see docs/guarantees.md. The bodies must outlive the method.
-std::unique_ptr<PairMethod> makeCertified(const geometry::Body& a, const geometry::Body& b, const PairOptions& options);
+std::unique_ptr<PairMethod> makeCertified(const geometry::Body& a, const geometry::Body& b,
+                                          const PairOptions& options);
 
 /// The paper's method A (straight paths) or B (curved paths); always UNCERTIFIED, reason METHOD.
-std::unique_ptr<PairMethod> makePaperA(const geometry::Body& a, const geometry::Body& b, const PairOptions& options);
-std::unique_ptr<PairMethod> makePaperB(const geometry::Body& a, const geometry::Body& b, const PairOptions& options);
+std::unique_ptr<PairMethod> makePaperA(const geometry::Body& a, const geometry::Body& b,
+                                       const PairOptions& options);
+std::unique_ptr<PairMethod> makePaperB(const geometry::Body& a, const geometry::Body& b,
+                                       const PairOptions& options);
 
 /// Parses "certified", "paper_a", "paper_b"; throws std::invalid_argument that lists them.
 enum class MethodName { kCertified, kPaperA, kPaperB };

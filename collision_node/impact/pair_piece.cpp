@@ -10,8 +10,8 @@ PairPiece::PairPiece(const Body& body_a, const Body& body_b, const Piece& piece,
   const double reach = a.reach() + b.reach();
   const double size = motion.maxDistance() + reach + contact_distance;
   speed = motion.maxSpeed() + motion.spinA() * a.reach() + motion.spinB() * b.reach();
-  const double pose_error = motion.translationError() + motion.rotationErrorA() * a.reach() +
-                            motion.rotationErrorB() * b.reach();
+  const double pose_error =
+      motion.translationError() + motion.rotationErrorA() * a.reach() + motion.rotationErrorB() * b.reach();
   point_error = 2.0 * pose_error + 64.0 * kUnit * (size + speed * motion.duration());
   rate_error = (motion.spinA() + motion.spinB()) * pose_error + 64.0 * kUnit * speed;
 }

@@ -23,7 +23,8 @@ struct Instant {
 
 /// Read-only while a piece is solved. The budget (docs/solver.md derives it):
 ///   any computed point difference b - a is within `point_error` of the exact one at the same t;
-///   a computed separation value along an axis n(s) is within |n(s)| (point_error + s rate_error) of the exact value.
+///   a computed separation value along an axis n(s) is within |n(s)| (point_error + s rate_error) of the
+///   exact value.
 struct PairPiece {
   PairPiece(const Body& a, const Body& b, const Piece& piece, double contact_distance);
 

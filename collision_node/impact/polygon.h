@@ -1,9 +1,8 @@
 /// Small convex polygons in the contact plane: hulls, grown hulls, intersections.
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
+#include <vector>
 
 namespace collision_node::impact {
 

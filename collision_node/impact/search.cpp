@@ -12,11 +12,12 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUp = 1.0 + 64.0 * kUnit;
 
-/// Split time rather than space when the motion's remainder exceeds this share of the nodes' sizes (measured: flat
-/// from 0.03 to 0.1).
+/// Split time rather than space when the motion's remainder exceeds this share of the nodes' sizes (measured:
+/// flat from 0.03 to 0.1).
 constexpr double kTimeSplit = 0.06;
 
-/// Keeps the part of [low, high] (relative to the slab's middle) on which |d + w s| <= e. False when nothing is left.
+/// Keeps the part of [low, high] (relative to the slab's middle) on which |d + w s| <= e. False when nothing
+/// is left.
 bool clipAxis(double d, double w, double e, double pad, double& low, double& high) {
   if (w == 0.0) return std::abs(d) <= e;
   const double near = (-e - d) / w, far = (e - d) / w;
@@ -25,10 +26,10 @@ bool clipAxis(double d, double w, double e, double pad, double& low, double& hig
   return low <= high;
 }
 
-/// The longest time any proposed axis proves. More are tried only where the first does worse than plain advancement by
-/// the distance would.
-double apartFrom(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Closest& closest,
-                 bool rounded, double span) {
+/// The longest time any proposed axis proves. More are tried only where the first does worse than plain
+/// advancement by the distance would.
+double apartFrom(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+                 const Closest& closest, bool rounded, double span) {
   double best = 0.0, gap = 0.0;
   const auto propose = [&](const Axis& axis) {
     if (axis.valid) best = std::max(best, apartFor(GapModel(piece, now, a, b, axis), span, &gap));
@@ -66,7 +67,8 @@ std::int32_t Search::addSlab(double low, double high) {
   s.back_p0 = -(now.rb.transpose() * now.d);
   s.back_p1 = -(now.rb.transpose() * (now.d_rate - wb.cross(now.d)));
 
-  // |x''| <= |d'' - 2 w x d' + w x (w x d)| + (|O|^2 + |wa x wb|) |y|, the first at the middle plus its growth.
+  // |x''| <= |d'' - 2 w x d' + w x (w x d)| + (|O|^2 + |wa x wb|) |y|, the first at the middle plus its
+  // growth.
   const Vec3 bend = m.acceleration(s.middle);
   const double bend_sup = bend.norm() + s.half * m.jerk();
   const double speed_sup = now.d_rate.norm() + s.half * bend_sup;
@@ -77,7 +79,8 @@ std::int32_t Search::addSlab(double low, double high) {
   s.bend_a = pathBend(wa, m.spinA());
   s.bend_b = pathBend(wb, m.spinB());
   s.bend_q = (s.turn * s.turn + wa.cross(wb).norm()) * kUp;
-  s.extent = (s.q0.cwiseAbs() + s.half * s.q1.cwiseAbs()).array() + (0.5 * s.half * s.half * s.bend_q + 64.0 * kUnit);
+  s.extent = (s.q0.cwiseAbs() + s.half * s.q1.cwiseAbs()).array() +
+             (0.5 * s.half * s.half * s.bend_q + 64.0 * kUnit);
   s.extent = s.extent.cwiseMin(1.0 + 64.0 * kUnit);
   slabs_.push_back(s);
   return static_cast<std::int32_t>(slabs_.size()) - 1;
@@ -164,10 +167,12 @@ void Search::walk(double from, double to, Leaf&& leaf) {
     Item children[2] = {item, item};
     const double size_a = na.half.norm(), size_b = nb.half.norm();
     const Slab& s = slabs_[item.slab];
-    const double remainder = 0.5 * s.half * s.half * (std::min(s.bend_a, s.bend_b) + s.bend_q * std::max(na.reach, nb.reach)) +
-                             s.half * s.turn * std::min(size_a, size_b);
+    const double remainder =
+        0.5 * s.half * s.half * (std::min(s.bend_a, s.bend_b) + s.bend_q * std::max(na.reach, nb.reach)) +
+        s.half * s.turn * std::min(size_a, size_b);
     const bool split_time = remainder > kTimeSplit * (size_a + size_b) &&
-                            s.half > 1e-9 * piece_.motion.duration() && item.low < s.middle && item.high > s.middle;
+                            s.half > 1e-9 * piece_.motion.duration() && item.low < s.middle &&
+                            item.high > s.middle;
     if (split_time) {
       const double middle = s.middle;
       children[0].slab = childOf(item.slab, false);
@@ -297,9 +302,12 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
   if (leaf.undecided) return Proved::kNothing;
   Vec3 held = Vec3::Zero();
   switch (containment(piece_, leaf.now, &held)) {
-    case Where::kOutside: return Proved::kApart;
-    case Where::kUnknown: return Proved::kNothing;
-    case Where::kInside: break;
+    case Where::kOutside:
+      return Proved::kApart;
+    case Where::kUnknown:
+      return Proved::kNothing;
+    case Where::kInside:
+      break;
   }
   *witness = ContactWitness();
   witness->point = held;

@@ -1,8 +1,8 @@
 /// Where in time can two bodies touch? A depth-first walk over both hierarchies with time clipping.
 ///
-/// Guarantee: a time that firstPossible() passes over, and an instant that classify() calls apart, is proved free of
-/// contact between surfaces (closed meshes may hold each other: inside.h). Everything else is reported, never dropped.
-/// Source of the walk and its bounds: docs/solver.md, "The node test".
+/// Guarantee: a time that firstPossible() passes over, and an instant that classify() calls apart, is proved
+/// free of contact between surfaces (closed meshes may hold each other: inside.h). Everything else is
+/// reported, never dropped. Source of the walk and its bounds: docs/solver.md, "The node test".
 #pragma once
 
 #include <vector>
@@ -32,8 +32,8 @@ class Search {
   /// The first time in [from, to] that is not proved free. Steps shorter than `stop` are not refined further.
   First firstPossible(double from, double to, double stop);
 
-  /// Surfaces, then solids, at one instant. kContact fills `witness`; with a horizon > 0 the witness is, among those
-  /// found, the one that provably lasts longest within [t, t + horizon].
+  /// Surfaces, then solids, at one instant. kContact fills `witness`; with a horizon > 0 the witness is,
+  /// among those found, the one that provably lasts longest within [t, t + horizon].
   Proved classify(double t, ContactWitness* witness, double horizon = 0.0);
 
   /// Pairs of elements not proved apart throughout [from, to], at most `limit`.
@@ -53,10 +53,10 @@ class Search {
   struct Slab {
     double middle, half;
     Vec3 p0, p1, back_p0, back_p1;
-    Mat3 q0, q1, extent;          ///< extent >= |Q(s)| entrywise on the slab
+    Mat3 q0, q1, extent;            ///< extent >= |Q(s)| entrywise on the slab
     double bend_a, bend_b, bend_q;  ///< |x''| <= bend_a + bend_q |y| in A's frame, bend_b in B's
-    double turn;                  ///< |omega_b - omega_a|
-    std::int32_t early = -1;      ///< children: early, early + 1
+    double turn;                    ///< |omega_b - omega_a|
+    std::int32_t early = -1;        ///< children: early, early + 1
   };
   struct Item {
     std::int32_t a, b, slab;
@@ -68,7 +68,8 @@ class Search {
   bool clip(Item& item) const;
   bool prepare(Item& item);
   double advance(const Element& a, const Element& b, double from, double to, double stop);
-  bool longestLasting(double t, double horizon, const std::vector<ContactWitness>& found, ContactWitness* witness);
+  bool longestLasting(double t, double horizon, const std::vector<ContactWitness>& found,
+                      ContactWitness* witness);
 
   template <typename Leaf>
   void walk(double from, double to, Leaf&& leaf);

@@ -18,8 +18,9 @@ void RelativeMotion::Spin::set(const RigidMotion& m, double offset_s, double dur
   if (spin > 0.0) axis = omega / spin;
   spin *= kUp;
   offset = offset_s;
-  // 64: quaternion to matrix, Rodrigues' entries, two products, the placing of geometry in the object's frame, and
-  // the slerp's rotation vector (absolute part). 16 theta: the angle's relative error, both of omega and of the time.
+  // 64: quaternion to matrix, Rodrigues' entries, two products, the placing of geometry in the object's
+  // frame, and the slerp's rotation vector (absolute part). 16 theta: the angle's relative error, both of
+  // omega and of the time.
   error = kUnit * (64.0 + 16.0 * spin * (std::abs(offset) + duration));
 }
 
@@ -39,15 +40,16 @@ Mat3 RelativeMotion::Spin::at(double t) const {
   return r;
 }
 
-RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns, Nanoseconds end_ns)
+RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns,
+                               Nanoseconds end_ns)
     : motion_a_(a), motion_b_(b), duration_(secondsBetween(start_ns, end_ns)) {
   offset_a_ = a.fixed ? 0.0 : secondsBetween(a.start_ns, start_ns);
   offset_b_ = b.fixed ? 0.0 : secondsBetween(b.start_ns, start_ns);
   a_.set(a, offset_a_, duration_);
   b_.set(b, offset_b_, duration_);
 
-  // B's polynomial about its own offset minus A's about its own, written so that equal velocities cancel exactly:
-  // c_b o_b - c_a o_a = (c_b - c_a) o_b + c_a (o_b - o_a), with o_b - o_a from integers.
+  // B's polynomial about its own offset minus A's about its own, written so that equal velocities cancel
+  // exactly: c_b o_b - c_a o_a = (c_b - c_a) o_b + c_a (o_b - o_a), with o_b - o_a from integers.
   const double shift = a.fixed || b.fixed ? offset_b_ - offset_a_ : secondsBetween(b.start_ns, a.start_ns);
   const double o = offset_b_;
   d_[0] = (b.c[0] - a.c[0]) + ((b.c[1] - a.c[1]) * o + a.c[1] * shift);

@@ -6,9 +6,10 @@
 namespace collision_node::motion {
 
 /// t = seconds from the piece's start, 0 <= t <= duration.
-///   a point x of A is at  R_a(t) x,   a point y of B at  d(t) + R_b(t) y      (world axes, relative to A's origin).
-/// No absolute world coordinate enters anything but worldOriginOfA(), so a common offset or a common velocity cancels
-/// before it can round.
+///   a point x of A is at  R_a(t) x,   a point y of B at  d(t) + R_b(t) y      (world axes, relative to A's
+///   origin).
+/// No absolute world coordinate enters anything but worldOriginOfA(), so a common offset or a common velocity
+/// cancels before it can round.
 ///
 /// Errors (derivation: docs/solver.md, "Rounding budget"), for every t in [0, duration]:
 ///   |computed d - exact d| <= translationError(),   |computed R y - exact R y| <= rotationError*() |y|.

@@ -1,12 +1,14 @@
-/// One object's motion over one segment: position a polynomial, orientation a constant rate about a fixed axis.
+/// One object's motion over one segment: position a polynomial, orientation a constant rate about a fixed
+/// axis.
 #pragma once
 
 #include "collision_node/motion/stamped_pose.h"
 
 namespace collision_node::motion {
 
-/// s = seconds since start_ns:  p(s) = c[0] + c[1] s + c[2] s^2 + c[3] s^3,  q(s) = exp(omega s) q0  (world axes).
-/// `c[0]` and `q0` are the segment's first pose, unrounded. A fixed object has stamps 0 and only c[0], q0.
+/// s = seconds since start_ns:  p(s) = c[0] + c[1] s + c[2] s^2 + c[3] s^3,  q(s) = exp(omega s) q0  (world
+/// axes). `c[0]` and `q0` are the segment's first pose, unrounded. A fixed object has stamps 0 and only c[0],
+/// q0.
 struct RigidMotion {
   Nanoseconds start_ns = 0;  ///< stamp of the segment's first pose
   Nanoseconds end_ns = 0;    ///< stamp of its second pose
@@ -22,17 +24,19 @@ struct RigidMotion {
 
 RigidMotion fixedAt(const Pose& pose);
 
-/// What tf2 does: straight line and shortest-arc slerp at constant rate. Requires from.stamp_ns < to.stamp_ns.
-/// The angle comes from atan2 (tf2's acos loses steps under 2e-8 rad). At exactly half a turn the arc is the one
-/// whose quaternion product from.conj * to has its first non-zero component positive after w >= 0 is enforced.
+/// What tf2 does: straight line and shortest-arc slerp at constant rate. Requires from.stamp_ns <
+/// to.stamp_ns. The angle comes from atan2 (tf2's acos loses steps under 2e-8 rad). At exactly half a turn
+/// the arc is the one whose quaternion product from.conj * to has its first non-zero component positive after
+/// w >= 0 is enforced.
 RigidMotion straightSlerp(const StampedPose& from, const StampedPose& to);
 
 /// The cubic through both positions with both linear velocities at its ends; orientation as in straightSlerp.
 /// Requires from.stamp_ns < to.stamp_ns and a twist on both.
 RigidMotion hermite(const StampedPose& from, const StampedPose& to);
 
-/// Straight line; orientation about the slerp axis with as many extra whole turns as the mean twist says. When the two
-/// orientations are equal up to rounding the axis is that of the mean twist. Requires from.stamp_ns < to.stamp_ns and a twist on both.
+/// Straight line; orientation about the slerp axis with as many extra whole turns as the mean twist says.
+/// When the two orientations are equal up to rounding the axis is that of the mean twist. Requires
+/// from.stamp_ns < to.stamp_ns and a twist on both.
 RigidMotion spin(const StampedPose& from, const StampedPose& to);
 
 }  // namespace collision_node::motion

@@ -17,13 +17,15 @@ using geometry::Vec3;
 using Nanoseconds = std::int64_t;
 
 /// Exact difference first, then one rounding. [s]
-inline double secondsBetween(Nanoseconds from, Nanoseconds to) { return static_cast<double>(to - from) * 1e-9; }
+inline double secondsBetween(Nanoseconds from, Nanoseconds to) {
+  return static_cast<double>(to - from) * 1e-9;
+}
 
 struct StampedPose {
   Nanoseconds stamp_ns = 0;
-  Pose pose;                   ///< world <- object; unit quaternion
-  bool has_twist = false;      ///< the two below are meant
-  Vec3 linear = Vec3::Zero();  ///< velocity of the object's origin, world axes [m/s]
+  Pose pose;                    ///< world <- object; unit quaternion
+  bool has_twist = false;       ///< the two below are meant
+  Vec3 linear = Vec3::Zero();   ///< velocity of the object's origin, world axes [m/s]
   Vec3 angular = Vec3::Zero();  ///< rate, world axes [rad/s]
 };
 

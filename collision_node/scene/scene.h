@@ -1,4 +1,5 @@
-/// A scene after loading: objects, links, zones, pairs, options. Immutable; shared by node, replay and report.
+/// A scene after loading: objects, links, zones, pairs, options. Immutable; shared by node, replay and
+/// report.
 #pragma once
 
 #include <cstdint>
@@ -28,12 +29,12 @@ enum class OnTimeout { kDrop, kFreeze };
 /// Where an object's poses come from. Exactly one of topic, tf frame and fixed is meant.
 struct PoseSource {
   enum class Type { kFixed, kTopic, kTf } type = Type::kFixed;
-  Pose fixed;             ///< kFixed
-  std::string topic;      ///< kTopic, as the user wrote it (relative or global)
-  int index = -1;         ///< kTopic: PoseArray element
-  std::string model;      ///< kTopic: gazebo ModelStates name
-  std::string link;       ///< kTopic: gazebo LinkStates name
-  std::string tf_frame;   ///< kTf: no leading slash
+  Pose fixed;            ///< kFixed
+  std::string topic;     ///< kTopic, as the user wrote it (relative or global)
+  int index = -1;        ///< kTopic: PoseArray element
+  std::string model;     ///< kTopic: gazebo ModelStates name
+  std::string link;      ///< kTopic: gazebo LinkStates name
+  std::string tf_frame;  ///< kTf: no leading slash
 };
 
 /// Part of an object that gets a name in events. Without a box it is the whole link.
@@ -46,10 +47,10 @@ struct Zone {
 };
 
 struct Link {
-  std::string name;             ///< URDF link name, or the object's name for a single shape
-  Pose T_o_l;                   ///< object <- link
-  std::string parent;           ///< URDF parent link
-  std::vector<geometry::PlacedShape> shapes;  ///< in the link's frame, URDF order
+  std::string name;                            ///< URDF link name, or the object's name for a single shape
+  Pose T_o_l;                                  ///< object <- link
+  std::string parent;                          ///< URDF parent link
+  std::vector<geometry::PlacedShape> shapes;   ///< in the link's frame, URDF order
   std::shared_ptr<const geometry::Body> body;  ///< in the object's frame; null when the link has no shape
 };
 
@@ -58,8 +59,8 @@ struct Object {
   PoseSource source;
   MotionModel motion = MotionModel::kSlerp;
   OnTimeout on_timeout = OnTimeout::kDrop;
-  double max_speed = std::numeric_limits<double>::infinity();  ///< [m/s]
-  double max_spin = std::numeric_limits<double>::infinity();   ///< [rad/s]
+  double max_speed = std::numeric_limits<double>::infinity();              ///< [m/s]
+  double max_spin = std::numeric_limits<double>::infinity();               ///< [rad/s]
   double acceleration = std::numeric_limits<double>::quiet_NaN();          ///< [m/s^2], NaN: not asked
   double angular_acceleration = std::numeric_limits<double>::quiet_NaN();  ///< [rad/s^2], NaN: not asked
   bool links_move = false;  ///< each URDF link follows its own tf frame
@@ -72,14 +73,14 @@ struct Object {
 struct LinkPair {
   int object_a = -1, link_a = -1;  ///< indices into Scene::objects and Object::links
   int object_b = -1, link_b = -1;
-  double contact_distance = 0.0;   ///< [m]
+  double contact_distance = 0.0;  ///< [m]
 };
 
 struct TimeOptions {
-  double reorder = 0.1;   ///< [s]
-  double max_gap = 1.0;   ///< [s]
-  double timeout = 1.5;   ///< [s] >= max_gap + reorder
-  double jump = 1.0;      ///< [s]
+  double reorder = 0.1;  ///< [s]
+  double max_gap = 1.0;  ///< [s]
+  double timeout = 1.5;  ///< [s] >= max_gap + reorder
+  double jump = 1.0;     ///< [s]
 };
 
 struct Scene {
@@ -88,11 +89,12 @@ struct Scene {
   double time_precision = 1e-9;      ///< [s]
   double distance_precision = 1e-6;  ///< [m]
   TimeOptions time;
-  double stats_period = 1.0;         ///< [s] of data time
+  double stats_period = 1.0;            ///< [s] of data time
   std::uint64_t node_budget = 4000000;  ///< per piece and pair
-  std::vector<Object> objects;       ///< in byte order of their names
-  std::vector<LinkPair> pairs;       ///< in byte order of (object a, link a, object b, link b)
-  std::vector<std::pair<std::string, std::string>> unwatched;  ///< "object/link" pairs left out, with those reasons:
+  std::vector<Object> objects;          ///< in byte order of their names
+  std::vector<LinkPair> pairs;          ///< in byte order of (object a, link a, object b, link b)
+  std::vector<std::pair<std::string, std::string>>
+      unwatched;  ///< "object/link" pairs left out, with those reasons:
   std::vector<std::string> unwatched_reasons;
   std::vector<std::string> warnings;  ///< one line each, for whoever may print
 };
@@ -102,7 +104,8 @@ struct SceneError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// How the core reaches what only ROS knows. The defaults know file:// and plain paths, relative to the scene file.
+/// How the core reaches what only ROS knows. The defaults know file:// and plain paths, relative to the scene
+/// file.
 struct Resources {
   std::function<std::string(const std::string& package)> package_path;  ///< throws or returns "" when unknown
   std::function<std::string(const std::string& param)> parameter;       ///< e.g. robot_description
@@ -115,7 +118,8 @@ using Overrides = std::map<std::string, std::string>;
 std::shared_ptr<const Scene> loadScene(const std::string& file, const Resources& resources,
                                        const Overrides& overrides = {});
 
-/// What `replay --plan` and `~plan` print: objects, links, meshes, pairs with their solver, what is left out and why.
+/// What `replay --plan` and `~plan` print: objects, links, meshes, pairs with their solver, what is left out
+/// and why.
 std::string planText(const Scene& scene);
 
 }  // namespace collision_node::scene

@@ -1,0 +1,102 @@
+#include "collision_node/impact/event_writer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace collision_node::impact {
+
+PairEvent EventWriter::stamped(Kind kind, double t) const {
+  PairEvent event;
+  event.kind = kind;
+  event.interval_start_ns = piece_.start_ns;
+  event.interval_end_ns = piece_.end_ns;
+  event.toi_lower = event.toi_upper = t;
+  event.a.pose = pair_.motion.poseA(t);
+  event.b.pose = pair_.motion.poseB(t);
+  event.a.sample_before_ns = piece_.a.start_ns;
+  event.a.sample_after_ns = piece_.a.end_ns;
+  event.b.sample_before_ns = piece_.b.start_ns;
+  event.b.sample_after_ns = piece_.b.end_ns;
+  return event;
+}
+
+double EventWriter::localStart(const PairEvent& event) const {
+  return event.toi_lower - motion::secondsBetween(event.interval_start_ns, piece_.start_ns);
+}
+
+double EventWriter::slidBefore(const PairEvent& event, double speed) const {
+  return std::max(0.0, -localStart(event)) * speed;
+}
+
+void EventWriter::finishImpact(PairEvent& event, double lower, double upper, ElementPair pair, double speed) {
+  finish(event, {lower, upper, lower, 0.0, slidBefore(event, speed)}, pair);
+}
+
+void EventWriter::finishSeparation(PairEvent& event, double lower, double upper, ElementPair pair,
+                                   double speed) {
+  finish(event, {lower, upper, upper, pair_.motion.duration(), slidBefore(event, speed)}, pair);
+}
+
+void EventWriter::finish(PairEvent& event, const Bracket& bracket, ElementPair pair) {
+  const Instant now = pair_.at(bracket.reference);
+  const double span = bracket.upper - bracket.lower;
+  event.multiple = false;
+  ContactFacts facts;
+  if (pair.a >= 0) {
+    facts = describeContact(pair_, now, span, pair, bracket.apart_at, bracket.slid);
+    joinNeighbours(event, facts, bracket, pair);
+  } else {
+    facts = describeUnknown(pair_, now, span);
+    facts.position_error += bracket.slid;
+  }
+  fill(event, facts, bracket.reference, bracket.upper);
+}
+
+/// Other element pairs that may touch in the bracket: at the same place they widen the ball, elsewhere they
+/// are said.
+void EventWriter::joinNeighbours(PairEvent& event, ContactFacts& facts, const Bracket& bracket,
+                                 ElementPair pair) {
+  constexpr std::size_t kLimit = 48;
+  const Instant now = pair_.at(bracket.reference);
+  for (const ElementPair& other : search_.nearPairs(bracket.lower, bracket.upper, kLimit)) {
+    if (other.a == pair.a && other.b == pair.b) continue;
+    const ContactFacts near =
+        describeContact(pair_, now, bracket.upper - bracket.lower, other, bracket.apart_at, bracket.slid);
+    const double needed = (near.position - facts.position).norm() + near.position_error;
+    if (needed <= facts.position_error) continue;
+    if (needed <= std::max(2.0 * facts.position_error, 0.5 * options_.distance_precision)) {
+      facts.position_error = needed * (1.0 + 16.0 * kUnit);
+    } else {
+      event.multiple = true;
+    }
+  }
+}
+
+void EventWriter::fill(PairEvent& event, const ContactFacts& facts, double reference, double upper) const {
+  const double shift = motion::secondsBetween(event.interval_start_ns, piece_.start_ns);
+  event.toi_upper =
+      shift == 0.0 ? upper : std::nextafter(shift + upper, std::numeric_limits<double>::infinity());
+  event.toi_upper = std::max(event.toi_upper, event.toi_lower);
+  event.position = pair_.motion.poseA(reference).position + facts.position;
+  event.position_error = facts.position_error;
+  event.normal = facts.normal;
+  event.normal_error = facts.normal_error;
+  event.relative_velocity = facts.relative_velocity;
+  event.closing_speed = facts.closing_speed;
+  const auto copySide = [](Side& to, const Side& from) {
+    to.shape = from.shape;
+    to.feature = from.feature;
+    to.triangle = from.triangle;
+    to.point = from.point;
+  };
+  copySide(event.a, facts.a);
+  copySide(event.b, facts.b);
+}
+
+ElementPair EventWriter::anyNear(double from, double to) {
+  const std::vector<ElementPair> pairs = search_.nearPairs(from, to, 1);
+  return pairs.empty() ? ElementPair{} : pairs.front();
+}
+
+}  // namespace collision_node::impact

@@ -1,0 +1,51 @@
+/// Brackets into events: stamps, poses, and the facts of the contact with everything that may touch beside
+/// it.
+#pragma once
+
+#include "collision_node/impact/contact_facts.h"
+
+namespace collision_node::impact {
+
+/// Writes the events of one piece. Times are seconds from the piece's start.
+class EventWriter {
+ public:
+  EventWriter(const PairPiece& pair, const Piece& piece, const PairOptions& options, Search& search)
+      : pair_(pair), piece_(piece), options_(options), search_(search) {}
+
+  /// An event at `t` without facts: stamps, samples, poses; toi_lower = toi_upper = t.
+  PairEvent stamped(Kind kind, double t) const;
+
+  /// The bracket's start on this piece's clock; negative when it opened earlier.
+  double localStart(const PairEvent& event) const;
+
+  /// Closes an impact's bracket at `upper`; facts are taken at `lower`, before which the pair is apart.
+  /// `speed` [m/s] bounds the relative motion since a bracket that opened on an earlier piece.
+  void finishImpact(PairEvent& event, double lower, double upper, ElementPair pair, double speed);
+
+  /// Closes a separation's bracket at `upper`, where the facts are taken: the pair is apart from there on.
+  void finishSeparation(PairEvent& event, double lower, double upper, ElementPair pair, double speed);
+
+  /// The bracket's end, and the facts, which hold at `reference`.
+  void fill(PairEvent& event, const ContactFacts& facts, double reference, double upper) const;
+
+  /// Some pair that is not proved apart throughout the time; -1 when all are.
+  ElementPair anyNear(double from, double to);
+
+ private:
+  struct Bracket {
+    double lower, upper, reference;
+    double apart_at;  ///< on which side in time the pair is apart
+    double slid;      ///< [m] since the bracket opened on an earlier piece
+  };
+
+  void finish(PairEvent& event, const Bracket& bracket, ElementPair pair);
+  void joinNeighbours(PairEvent& event, ContactFacts& facts, const Bracket& bracket, ElementPair pair);
+  double slidBefore(const PairEvent& event, double speed) const;
+
+  const PairPiece& pair_;
+  const Piece& piece_;
+  const PairOptions& options_;
+  Search& search_;
+};
+
+}  // namespace collision_node::impact

@@ -1,0 +1,441 @@
+#include "collision_node/impact/piece_run.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "collision_node/impact/event_writer.h"
+
+namespace collision_node::impact {
+namespace {
+
+using Phase = PairState::Phase;
+
+constexpr double kGrow = 1.5;  ///< successive instants of a search behind a bracket's start
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The state machine on one piece. Times are seconds from the piece's start.
+class Run {
+ public:
+  Run(const PairPiece& pair, const Piece& piece, const PairOptions& options, PairState& state,
+      std::vector<PairEvent>& events)
+      : pair_(pair),
+        piece_(piece),
+        options_(options),
+        search_(pair, options.node_budget),
+        writer_(pair, piece, options, search_),
+        state_(state),
+        events_(events),
+        end_(pair.motion.duration()) {
+    const double speed = std::max(pair.speed, 1e-300);
+    // Refine the bracket until neither its width nor what it adds to the ball matters; the rounding budget is
+    // the floor.
+    floor_ = std::max(pair.point_error / speed, 64.0 * kUnit * end_);
+    width_ = std::max(std::min(options.time_precision, 0.02 * options.distance_precision / speed), floor_);
+  }
+
+  PieceOutcome run() {
+    const std::size_t before = events_.size();
+    PieceOutcome outcome;
+    if (search_.outOfReach()) {
+      outcome.answer = Answer::kCulled;
+      if (state_.phase == Phase::kNew) state_.phase = Phase::kApart;
+      if (state_.phase == Phase::kApart) return outcome;
+    }
+    double t = 0.0;
+    if (state_.phase == Phase::kNew) {
+      start();
+    } else if (state_.phase != Phase::kApart) {
+      state_.pending_speed = std::max(state_.pending_speed, pair_.speed);
+      // What was published is no longer waited for: a later answer begins with this piece.
+      if (state_.phase == Phase::kUndecided && state_.published)
+        state_.pending = writer_.stamped(state_.pending.kind, 0.0);
+    }
+    std::optional<ContactWitness> witness;
+    if (start_witness_) witness = std::move(start_witness_);
+    while (true) {
+      if (search_.exhausted()) {
+        stopForBudget(t);
+        break;
+      }
+      if (state_.phase == Phase::kApart) {
+        const Search::First first = search_.firstPossible(t, end_, 0.1 * width_);
+        if (!first.found) break;
+        free_since_ = t;
+        open(Kind::kImpact, first.time, first.pair);
+        t = first.time;
+      } else if (state_.phase == Phase::kUndecided) {
+        if (!resolve(t, witness)) break;
+      } else {
+        if (!follow(t, witness)) break;
+      }
+    }
+    outcome.node_tests = search_.nodeTests();
+    outcome.subdivisions = search_.subdivisions();
+    outcome.budget_met = search_.exhausted();
+    outcome.answer = state_.phase == Phase::kUndecided                             ? Answer::kUndecided
+                     : state_.phase == Phase::kTouching || events_.size() > before ? Answer::kImpact
+                                                                                   : Answer::kClear;
+    for (std::size_t i = before; i < events_.size(); ++i) {
+      if (events_[i].certificate == Certificate::kPossible) outcome.answer = Answer::kUndecided;
+    }
+    return outcome;
+  }
+
+ private:
+  /// A pair's first instant: overlapping, apart, or not known.
+  void start() {
+    ContactWitness witness;
+    switch (search_.classify(0.0, &witness, end_)) {
+      case Proved::kApart:
+        state_.phase = Phase::kApart;
+        return;
+      case Proved::kContact: {
+        PairEvent event = writer_.stamped(Kind::kInitialOverlap, 0.0);
+        writer_.fill(event, describeOverlap(pair_, pair_.at(0.0), witness), 0.0, 0.0);
+        event.certificate = Certificate::kConfirmed;
+        event.reason = Reason::kNone;
+        events_.push_back(event);
+        state_.phase = Phase::kTouching;
+        state_.contact = event;
+        start_witness_ = std::move(witness);
+        return;
+      }
+      case Proved::kNothing:
+        open(Kind::kInitialOverlap, 0.0, writer_.anyNear(0.0, 0.0));
+        return;
+    }
+  }
+
+  /// Opens a bracket at `t`: contact is possible from here on.
+  void open(Kind kind, double t, ElementPair pair) {
+    state_.phase = Phase::kUndecided;
+    state_.was_touching = kind == Kind::kSeparation;
+    state_.published = false;
+    state_.pending = writer_.stamped(kind, t);
+    state_.pending_speed = pair_.speed;
+    opened_ = pair;
+  }
+
+  /// Behind the start of an open bracket: finds what is proved first, contact or clearance. Returns false at
+  /// the end.
+  bool resolve(double& t, std::optional<ContactWitness>& witness) {
+    const double from = t;
+    const bool carried = state_.pending.interval_start_ns != piece_.start_ns;
+    double proved_nothing = from;  // the last instant at which nothing was proved
+    ContactWitness found;
+    bool small = carried;  // start from the smallest step: something may be decided at once
+    double step = small ? floor_ : 0.5 * width_;
+    while (true) {
+      if (search_.exhausted()) return true;
+      const double at = std::min(end_, from + step);
+      const Proved proved = search_.classify(at, &found, end_);
+      if (proved == Proved::kContact) {
+        confirm(from, at, found, witness);
+        t = at;
+        return true;
+      }
+      if (proved == Proved::kApart && !(from >= end_)) {
+        if (passed(from, at, t)) return true;
+        if (!small && floor_ < 0.5 * step) {  // too far at once: look into what was skipped
+          small = true;
+          step = floor_;
+          continue;
+        }
+        if (inBetween(proved_nothing, at, found)) {
+          confirm(from, found_at_, found, witness);
+          t = found_at_;
+          return true;
+        }
+        if (search_.nearPairs(from, at, 1).empty() && !carried) {  // a second look proves the bracket free
+          state_.phase = Phase::kApart;
+          t = at;
+          return true;
+        }
+        const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
+        if (next.found && next.time - at <= std::max(at - from, width_) && next.time < end_) {
+          step = std::max(next.time - from,
+                          step * kGrow);  // a gap shorter than the bracket: the bracket goes on
+          proved_nothing = next.time;
+          continue;
+        }
+        publishPossible(at);
+        state_.phase = Phase::kApart;
+        t = at;
+        return true;
+      }
+      if (at >= end_) return waitForMore();
+      proved_nothing = at;
+      step *= kGrow;
+    }
+  }
+
+  /// The piece ends inside an open bracket. One that has been open for a whole piece is published and holds
+  /// up nothing.
+  bool waitForMore() {
+    const bool carried = state_.pending.interval_start_ns != piece_.start_ns;
+    if (carried && !state_.published) {
+      if (!state_.was_touching) publishPossible(end_);
+      state_.published = true;
+    }
+    return false;
+  }
+
+  /// Contact is proved at `at`: closes the open bracket as CONFIRMED.
+  void confirm(double from, double at, const ContactWitness& found, std::optional<ContactWitness>& witness) {
+    witness = found;
+    if (state_.was_touching) {  // it never parted, as far as anybody can prove
+      state_.phase = Phase::kTouching;
+      return;
+    }
+    ElementPair pair{found.element_a, found.element_b};
+    if (pair.a < 0) pair = opened_.a >= 0 ? opened_ : writer_.anyNear(from, at);
+    PairEvent event = state_.pending;
+    event.kind = Kind::kImpact;
+    writer_.finishImpact(event, from, at, pair, state_.pending_speed);
+    event.certificate = Certificate::kConfirmed;
+    event.reason =
+        event.toi_upper - event.toi_lower > options_.time_precision ? Reason::kPrecision : Reason::kNone;
+    events_.push_back(event);
+    state_.contact = event;
+    state_.phase = Phase::kTouching;
+  }
+
+  /// Contact at a few instants strictly between two?
+  bool inBetween(double low, double high, ContactWitness& found) {
+    constexpr int kLooks = 7;
+    for (int i = 1; i <= kLooks; ++i) {
+      const double at = low + (high - low) * i / (kLooks + 1);
+      if (at <= low || at >= high) continue;
+      if (search_.classify(at, &found, end_) == Proved::kContact) {
+        found_at_ = at;
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// A point went through a surface between the two instants: an impact and its separation in one bracket.
+  bool passed(double from, double at, double& t) {
+    if (state_.was_touching || pair_.contact_distance > 0.0) return false;
+    const std::vector<ElementPair> near = search_.nearPairs(from, at, 64);
+    // From a little earlier, clear of the surface by more than the budget: it is free up to `from`.
+    const double earlier = std::max(std::min(free_since_, from), from - std::max(at - from, 32.0 * floor_));
+    const Instant first = pair_.at(earlier), last = pair_.at(at);
+    for (const ElementPair& pair : near) {
+      Vec3 buffer_a[3], buffer_b[3];
+      const Element a = pair_.a.element(pair.a, buffer_a), b = pair_.b.element(pair.b, buffer_b);
+      const bool point_is_a = a.count == 1 && b.triangle >= 0, point_is_b = b.count == 1 && a.triangle >= 0;
+      if (!(point_is_a || point_is_b) || a.radius + b.radius > 0.0) continue;
+      const Element& triangle = point_is_a ? b : a;
+      const Vec3 point = point_is_a ? a.vertices[0] : b.vertices[0];
+      std::vector<std::array<Vec3, 3>> patch = {
+          {triangle.vertices[0], triangle.vertices[1], triangle.vertices[2]}};
+      bool proved = passesThrough(pair_, first, last, point_is_a, point, patch);
+      if (!proved) {  // through an edge or a vertex: with all the triangles around it
+        patch = patchAround(near, pair, point_is_a, triangle.shape);
+        proved = passesThrough(pair_, first, last, point_is_a, point, patch);
+      }
+      if (!proved) continue;
+      PairEvent event = state_.pending;
+      event.kind = Kind::kImpact;
+      writer_.finishImpact(event, from, at, pair, state_.pending_speed);
+      event.certificate = Certificate::kConfirmed;
+      event.reason = Reason::kNone;
+      events_.push_back(event);
+      state_.contact = event;
+      event.kind = Kind::kSeparation;
+      events_.push_back(event);
+      state_.phase = Phase::kApart;
+      t = at;
+      return true;
+    }
+    return false;
+  }
+
+  /// The triangles of one mesh among the near pairs of the same point.
+  std::vector<std::array<Vec3, 3>> patchAround(const std::vector<ElementPair>& near, ElementPair pair,
+                                               bool point_is_a, int shape) const {
+    std::vector<std::array<Vec3, 3>> patch;
+    for (const ElementPair& other : near) {
+      if (point_is_a ? other.a != pair.a : other.b != pair.b) continue;
+      Vec3 buffer[3];
+      const Element e = point_is_a ? pair_.b.element(other.b, buffer) : pair_.a.element(other.a, buffer);
+      if (e.triangle >= 0 && e.shape == shape) patch.push_back({e.vertices[0], e.vertices[1], e.vertices[2]});
+    }
+    return patch;
+  }
+
+  /// In contact at `t`: follows the proof forward, and where it ends looks for the next one or for clearance.
+  bool follow(double& t, std::optional<ContactWitness>& witness) {
+    double look = floor_;
+    double proved = t;  // contact is proved up to here
+    if (!witness) {     // a new piece: the last one's contact still has to be found in this one
+      ContactWitness found;
+      const Proved now = search_.classify(t, &found, end_);
+      if (now == Proved::kContact) witness = std::move(found);
+      if (now == Proved::kApart) {
+        openSeparation(t);
+        publishSeparation(t);
+        return true;
+      }
+    }
+    while (t < end_) {
+      if (search_.exhausted()) return true;
+      if (witness) {
+        persist(t, *witness);
+        proved = t;
+        last_witness_ = *witness;
+        witness.reset();
+        look = floor_;
+        if (t >= end_) break;
+      }
+      const double at = std::min(end_, proved + look);
+      ContactWitness found;
+      const Proved now = search_.classify(at, &found, end_ - at);
+      if (now == Proved::kContact) {
+        t = at;
+        witness = std::move(found);
+        continue;
+      }
+      if (now == Proved::kApart) {
+        const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
+        const bool owed = !next.found || next.time - at > at - proved;
+        if (owed) {
+          openSeparation(proved);
+          publishSeparation(at);
+          t = at;
+          return true;
+        }
+        look = std::max(next.time - proved, look * kGrow);
+      } else {
+        look *= kGrow;
+      }
+      if (at >= end_) {
+        openSeparation(proved);
+        state_.phase = Phase::kUndecided;
+        return waitForMore();
+      }
+    }
+    openSeparation(proved);  // where the next piece would begin to look
+    state_.phase = Phase::kTouching;
+    return false;
+  }
+
+  /// Moves t forward as long as this witness proves contact.
+  void persist(double& t, ContactWitness& witness) {
+    if (witness.element_a < 0) {  // one body inside the other: until surfaces can meet
+      const Search::First first = search_.firstPossible(t, end_, 0.1 * width_);
+      t = first.found ? std::max(t, first.time) : end_;
+      return;
+    }
+    Vec3 buffer_a[3], buffer_b[3];
+    const Element a = pair_.a.element(witness.element_a, buffer_a),
+                  b = pair_.b.element(witness.element_b, buffer_b);
+    double step = end_ - t;
+    Instant now = pair_.at(t);
+    while (t < end_ && !search_.exhausted()) {
+      const double next = std::min(end_, t + step);
+      const Instant later = pair_.at(next);
+      search_.countTest();
+      if (next > t && touchesThrough(pair_, now, later, a, b, witness)) {
+        t = next;
+        now = later;
+        ContactWitness fresh;
+        if (touchesAt(pair_, now, a, b, closestPoints(Cores(now, a, b), Vec3::Zero()), fresh)) {
+          witness.closest = fresh.closest;
+          witness.wrap = std::move(fresh.wrap);
+          witness.rounded = fresh.rounded;
+          witness.point = fresh.point;
+        }
+        step *= 2.0;
+      } else {
+        step *= 0.25;
+        if (step < floor_) return;
+      }
+    }
+  }
+
+  void openSeparation(double t) {
+    const PairEvent contact = state_.contact;
+    open(Kind::kSeparation, t, {last_witness_.element_a, last_witness_.element_b});
+    state_.contact = contact;
+  }
+
+  void publishSeparation(double at) {
+    PairEvent event = state_.pending;
+    const double from = std::max(0.0, writer_.localStart(event));
+    ElementPair pair = opened_;
+    if (pair.a < 0) pair = writer_.anyNear(from, at);
+    writer_.finishSeparation(event, from, at, pair, state_.pending_speed);
+    const bool sure = state_.contact.certificate == Certificate::kConfirmed && !state_.published;
+    event.certificate = sure ? Certificate::kConfirmed : Certificate::kPossible;
+    event.reason = !sure                                                         ? Reason::kGrazing
+                   : event.toi_upper - event.toi_lower > options_.time_precision ? Reason::kPrecision
+                                                                                 : Reason::kNone;
+    events_.push_back(event);
+    state_.phase = Phase::kApart;
+    state_.was_touching = false;
+  }
+
+  /// Closes the open bracket at `at`, where the pair is proved apart again or the data end, without a proof
+  /// of contact.
+  void publishPossible(double at) {
+    if (state_.was_touching) {
+      publishSeparation(at);
+      return;
+    }
+    if (state_.published) return;
+    PairEvent event = state_.pending;
+    const double from = std::max(0.0, writer_.localStart(event));
+    const ElementPair pair = opened_.a >= 0 ? opened_ : writer_.anyNear(from, at);
+    writer_.finishImpact(event, from, at, pair, state_.pending_speed);
+    if (event.kind == Kind::kInitialOverlap) {
+      event.toi_upper = event.toi_lower;
+      event.normal = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+      event.normal_error = M_PI;
+      event.closing_speed = event.normal.x();
+    }
+    event.certificate = Certificate::kPossible;
+    event.reason = search_.exhausted() ? Reason::kBudget : Reason::kGrazing;
+    events_.push_back(event);
+  }
+
+  /// The node budget is spent: everything from `t` on is one open question.
+  void stopForBudget(double t) {
+    if (state_.phase == Phase::kUndecided && !state_.was_touching) {
+      publishPossible(end_);
+      state_.published = true;
+    } else {
+      openSeparation(t);
+      state_.phase = Phase::kUndecided;
+      state_.published = true;
+    }
+  }
+
+  const PairPiece& pair_;
+  const Piece& piece_;
+  const PairOptions& options_;
+  Search search_;
+  EventWriter writer_;
+  PairState& state_;
+  std::vector<PairEvent>& events_;
+  const double end_;
+  double floor_, width_;
+  ElementPair opened_;
+  ContactWitness last_witness_;
+  std::optional<ContactWitness> start_witness_;
+  double found_at_ = 0.0;
+  double free_since_ = kInfinity;  ///< the search that opened the bracket proved the time since then free
+};
+
+}  // namespace
+
+PieceOutcome runPiece(const PairPiece& pair, const Piece& piece, const PairOptions& options, PairState& state,
+                      std::vector<PairEvent>& events) {
+  return Run(pair, piece, options, state, events).run();
+}
+
+}  // namespace collision_node::impact
