@@ -1,0 +1,310 @@
+/// The certified solver's state machine (certified.cpp, pair_method.h; DESIGN's meaning of each event).
+#include <gtest/gtest.h>
+
+#include "test/impact/watched_pair.h"
+
+namespace collision_node::impact {
+namespace {
+
+using moving::flight;
+using moving::holds;
+using moving::kFrame;
+using moving::kInAndOut;
+using moving::resting;
+using moving::Watched;
+using Phase = PairState::Phase;
+
+geometry::PlacedShape point() { return moving::placed(geometry::Point{}); }
+geometry::PlacedShape sphere(double radius) { return moving::placed(geometry::Sphere{radius}); }
+geometry::PlacedShape box(double size) { return moving::placed(geometry::Box{Vec3::Constant(size)}); }
+
+/// b flies down from z = 10 at `speed`, over (x, y).
+void drop(Watched& pair, double x, double y, double speed) {
+  pair.advance(0, kFrame, resting(), flight(0, kFrame, {x, y, 10}, {0, 0, -speed}));
+}
+
+TEST(Certified, APointThroughASurfaceGivesBothEventsInOneBracket) {
+  // "Through a surface both in the same bracket."
+  Watched pair({moving::sheet(1)}, {point()});
+  drop(pair, 0.3, 0.1, 2000);
+  ASSERT_EQ(pair.story(), kInAndOut) << pair.list();
+  const PairEvent &in = pair.events[0], &out = pair.events[1];
+  EXPECT_EQ(in.toi_lower, out.toi_lower);
+  EXPECT_EQ(in.toi_upper, out.toi_upper);
+  EXPECT_TRUE(holds(in, 0, 0.005L)) << pair.list();
+  EXPECT_LE(moving::widthOf(in), 1e-9);
+  EXPECT_LE((in.position - Vec3(0.3, 0.1, 0)).norm(), in.position_error);
+  EXPECT_LE(in.position_error, 1e-6);
+  EXPECT_NEAR(in.normal.z(), 1.0, in.normal_error + 1e-12) << "from a to b";
+  EXPECT_NEAR(in.closing_speed, 2000.0, 1e-6);
+  EXPECT_EQ(pair.state.phase, Phase::kApart);
+}
+
+TEST(Certified, ThroughASharedEdgeOrVertexIsOneImpact) {
+  Watched edge({moving::sheet(1)}, {point()});
+  drop(edge, 0.25, 0.25, 2000);
+  EXPECT_EQ(edge.story(), kInAndOut) << edge.list();
+
+  std::vector<Vec3> rim = {{0, 0, 0}};
+  std::vector<moving::Corners> fan;
+  for (int k = 0; k < 6; ++k) {
+    rim.push_back({std::cos(1.0471975511965976 * k), std::sin(1.0471975511965976 * k), 0});
+    fan.push_back({0, 1 + k, 1 + (k + 1) % 6});
+  }
+  Watched vertex({moving::mesh(rim, fan)}, {point()});
+  drop(vertex, 0, 0, 2000);
+  EXPECT_EQ(vertex.story(), kInAndOut) << vertex.list();
+
+  Watched miss({moving::sheet(1)}, {point()});
+  drop(miss, 1.001, 0, 2000);
+  EXPECT_EQ(miss.story(), "");
+  EXPECT_EQ(miss.state.phase, Phase::kApart);
+}
+
+TEST(Certified, InsideASolidIsTouching) {
+  // "A point through a solid gives IMPACT at entry and SEPARATION at exit ... Fully inside a solid is
+  // touching."
+  struct Row {
+    geometry::PlacedShape solid, body;
+    double radius;
+  };
+  for (const Row& row :
+       {Row{moving::boxMesh({1, 1, 1}), sphere(0.05), 0.05}, Row{moving::boxMesh({1, 1, 1}), point(), 0},
+        Row{box(2), point(), 0}, Row{box(2), sphere(0.05), 0.05}, Row{sphere(1), point(), 0},
+        Row{moving::placed(geometry::Cylinder{1, 2}), sphere(0.05), 0.05}}) {
+    Watched pair({row.solid}, {row.body});
+    drop(pair, 0, 0, 2000);
+    ASSERT_EQ(pair.story(), kInAndOut) << row.solid.shape.index() << '\n' << pair.list();
+    EXPECT_TRUE(holds(pair.events[0], 0, (10 - 1 - static_cast<long double>(row.radius)) / 2000))
+        << pair.list();
+    EXPECT_TRUE(holds(pair.events[1], 0, (10 + 1 + static_cast<long double>(row.radius)) / 2000))
+        << pair.list();
+    for (const PairEvent& e : pair.events) EXPECT_LE(moving::widthOf(e), 1e-9) << pair.list();
+  }
+}
+
+TEST(Certified, InsideASurfaceIsNotTouching) {
+  Watched pair({moving::boxMesh({1, 1, 1}, Vec3::Zero(), geometry::SolidChoice::kNo)}, {sphere(0.05)});
+  drop(pair, 0.3, 0.1, 2000);
+  ASSERT_EQ(pair.story(), std::string(kInAndOut) + ", " + kInAndOut) << pair.list();
+  const long double heights[] = {1.05L, 0.95L, -0.95L, -1.05L};
+  for (int i = 0; i < 4; ++i)
+    EXPECT_TRUE(holds(pair.events[i], 0, (10 - heights[i]) / 2000)) << i << pair.list();
+}
+
+TEST(Certified, AnOverlapAtTheStartIsSaidOnce) {
+  // "INITIAL_OVERLAP: toi_lower = toi_upper = 0; normal NaN."
+  Watched pair({box(2)}, {sphere(0.5)});
+  for (int i = 0; i < 5; ++i) {
+    pair.advance(i * kFrame, (i + 1) * kFrame, resting(),
+                 flight(i * kFrame, (i + 1) * kFrame, {0.1 * i, 0, 1.2}, {0.1 / (kFrame * 1e-9), 0, 0}));
+  }
+  ASSERT_EQ(pair.story(), "INITIAL_OVERLAP CONFIRMED") << pair.list();
+  const PairEvent& e = pair.events[0];
+  EXPECT_EQ(e.toi_lower, 0.0);
+  EXPECT_EQ(e.toi_upper, 0.0);
+  EXPECT_TRUE(std::isnan(e.normal.x()) && std::isnan(e.normal.y()) && std::isnan(e.normal.z()));
+  EXPECT_EQ(pair.state.phase, Phase::kTouching);
+  // It leaves upwards: z = 1.5 after 0.3 m at 300 m/s.
+  pair.advance(5 * kFrame, 6 * kFrame, resting(), flight(5 * kFrame, 6 * kFrame, {0.5, 0, 1.2}, {0, 0, 300}));
+  ASSERT_EQ(pair.story(), "INITIAL_OVERLAP CONFIRMED, SEPARATION CONFIRMED") << pair.list();
+  EXPECT_TRUE(holds(pair.events[1], 5 * kFrame, 0.001L)) << pair.list();
+}
+
+TEST(Certified, AMeshDeepInsideAMesh) {
+  const auto small = moving::boxMesh({0.1, 0.1, 0.1});
+  Watched solid({moving::boxMesh({1, 1, 1})}, {small});
+  solid.advance(0, kFrame, resting(), flight(0, kFrame, {0.2, 0.1, 0}, {0, 0, 1}));
+  EXPECT_EQ(solid.story(), "INITIAL_OVERLAP CONFIRMED") << solid.list();
+
+  Watched surface({moving::boxMesh({1, 1, 1}, Vec3::Zero(), geometry::SolidChoice::kNo)}, {small});
+  surface.advance(0, kFrame, resting(), flight(0, kFrame, {0.2, 0.1, 0}, {0, 0, 1}));
+  EXPECT_EQ(surface.story(), "") << surface.list();
+  surface.advance(kFrame, 2 * kFrame, resting(), flight(kFrame, 2 * kFrame, {0.2, 0.1, 0}, {0, 0, 100}));
+  EXPECT_EQ(surface.story(), kInAndOut) << "from inside: " << surface.list();
+}
+
+TEST(Certified, APointThatStartsOnAFaceAndLeaves) {
+  // INITIAL_OVERLAP, then SEPARATION with 0 in its bracket, or the overlap alone when it is only POSSIBLE; no
+  // IMPACT.
+  Watched pair({box(2)}, {point()});
+  pair.advance(0, kFrame, resting(), flight(0, kFrame, {0.2, 0.1, 1}, {0, 0, 100}));
+  ASSERT_GE(pair.events.size(), 1u);
+  EXPECT_EQ(pair.events[0].kind, Kind::kInitialOverlap);
+  EXPECT_EQ(pair.count(Kind::kImpact), 0) << pair.list();
+  EXPECT_LE(pair.count(Kind::kSeparation), 1);
+  EXPECT_EQ(pair.state.phase, Phase::kApart);
+}
+
+TEST(Certified, ACutPieceGivesTheSameAnswer) {
+  // A tumbling box against a fixed one: one piece, or two, or ten.
+  const auto b = flight(-1000, 2 * kFrame, {0.2, 0.1, 4}, {3, 1, -120}, {40, 25, -60});
+  Watched whole({box(2)}, {box(1)});
+  whole.advanceInParts(0, 2 * kFrame, resting(), b, 1);
+  ASSERT_EQ(whole.story(), kInAndOut) << whole.list();
+  for (const int parts : {2, 3, 10, 57}) {
+    Watched cut({box(2)}, {box(1)});
+    cut.advanceInParts(0, 2 * kFrame, resting(), b, parts);
+    ASSERT_EQ(cut.story(), kInAndOut) << parts << " parts\n" << cut.list();
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_LE(moving::lowerOf(cut.events[i], 0), moving::upperOf(whole.events[i], 0))
+          << parts << cut.list();
+      EXPECT_GE(moving::upperOf(cut.events[i], 0), moving::lowerOf(whole.events[i], 0))
+          << parts << cut.list();
+      EXPECT_LE(moving::widthOf(cut.events[i]), 4 * moving::widthOf(whole.events[i]) + 1e-15)
+          << parts << cut.list();
+      EXPECT_LE((cut.events[i].position - whole.events[i].position).norm(),
+                cut.events[i].position_error + whole.events[i].position_error);
+    }
+  }
+}
+
+TEST(Certified, AnImpactAtACutIsSaidOnce) {
+  // The cut runs through the bracket, or just beside it: at 1 ns steps around the true time.
+  const auto b = flight(0, 3 * kFrame, {0.2, 0.1, 10}, {0, 0, -2000});
+  const Nanoseconds hit = 4'475'000;  // z = 1 + 0.05
+  for (Nanoseconds cut = hit - 3; cut <= hit + 3; ++cut) {
+    Watched pair({box(2)}, {sphere(0.05)});
+    pair.advance(0, cut, resting(), b);
+    pair.advance(cut, kFrame, resting(), b);
+    ASSERT_EQ(pair.story(), kInAndOut) << "cut at " << cut << '\n' << pair.list();
+    EXPECT_TRUE(holds(pair.events[0], 0, 0.004475L)) << pair.list();
+    EXPECT_LE(moving::widthOf(pair.events[0]), 1e-8) << "cut at " << cut << '\n' << pair.list();
+  }
+}
+
+TEST(Certified, AnImpactExactlyAtTheLastStamp) {
+  // "A piece owns (start, end]": published by finish or with the next piece, never twice.
+  constexpr Nanoseconds kSecond = 1'000'000'000;
+  const auto down = flight(0, kSecond, {0, 0, 2.5}, {0, 0, -1});  // touches z = 1.5 at 1 s
+  for (const double next : {-1.0, 0.0, 1.0}) {
+    Watched pair({box(2)}, {sphere(0.5)});
+    pair.advance(0, kSecond, resting(), down);
+    pair.advance(kSecond, 2 * kSecond, resting(), flight(kSecond, 2 * kSecond, {0, 0, 1.5}, {0, 0, next}));
+    pair.finish();
+    EXPECT_EQ(pair.count(Kind::kImpact), 1) << "then at " << next << " m/s\n" << pair.list();
+    EXPECT_EQ(pair.count(Kind::kInitialOverlap), 0);
+    ASSERT_FALSE(pair.events.empty());
+    EXPECT_TRUE(holds(pair.events[0], 0, 1.0L)) << pair.list();
+  }
+  Watched ended({box(2)}, {sphere(0.5)});
+  ended.advance(0, kSecond, resting(), down);
+  ended.finish();
+  EXPECT_EQ(ended.count(Kind::kImpact), 1) << ended.list();
+  EXPECT_EQ(ended.events.size(), 1u);
+  const std::size_t before = ended.events.size();
+  ended.finish();
+  EXPECT_EQ(ended.events.size(), before) << "finish() twice";
+}
+
+TEST(Certified, InterruptEndsAnOpenContactOnce) {
+  // "finish(), then for an open contact one UNCERTIFIED SEPARATION at its last decided instant with
+  // `reason`."
+  Watched pair({box(2)}, {sphere(0.5)});
+  pair.advance(0, kFrame, resting(), flight(0, kFrame, {0, 0, 2.5}, {0, 0, -60}));
+  ASSERT_EQ(pair.story(), "IMPACT CONFIRMED") << pair.list();
+  pair.interrupt(Reason::kGap);
+  ASSERT_EQ(pair.story(), "IMPACT CONFIRMED, SEPARATION UNCERTIFIED") << pair.list();
+  const PairEvent& end = pair.events[1];
+  EXPECT_EQ(end.reason, Reason::kGap);
+  EXPECT_EQ(moving::lowerOf(end, 0), moving::upperOf(end, 0));
+  EXPECT_NEAR(static_cast<double>(moving::upperOf(end, 0)), kFrame * 1e-9, 1e-12);
+  EXPECT_EQ(pair.state.phase, Phase::kNew);
+  pair.interrupt(Reason::kReset);
+  EXPECT_EQ(pair.events.size(), 2u) << "nothing is open";
+
+  Watched apart({box(2)}, {sphere(0.5)});
+  apart.advance(0, kFrame, resting(), flight(0, kFrame, {0, 0, 9}, {0, 0, -60}));
+  apart.interrupt(Reason::kTimeout);
+  EXPECT_EQ(apart.story(), "");
+  // And the pair begins anew behind the gap.
+  apart.advance(9 * kFrame, 10 * kFrame, resting(), flight(9 * kFrame, 10 * kFrame, {0, 0, 1}, Vec3::Zero()));
+  EXPECT_EQ(apart.story(), "INITIAL_OVERLAP CONFIRMED");
+}
+
+/// One box on another without any gap, for `frames` pieces from `first` on.
+void rest(Watched& pair, int first, int frames) {
+  for (int i = first; i < first + frames; ++i)
+    pair.advance(i * kFrame, (i + 1) * kFrame, resting(),
+                 flight(i * kFrame, (i + 1) * kFrame, {0.1, 0.2, 1.5}, Vec3::Zero()));
+}
+
+TEST(Certified, ABoxRestingOnABoxIsNoFlood) {
+  // "POSSIBLE is published alone, without SEPARATION; the search goes on behind it."
+  Watched pair({box(2)}, {box(1)});
+  rest(pair, 0, 100);
+  EXPECT_LE(pair.events.size(), 1u) << pair.list();
+  pair.advance(100 * kFrame, 101 * kFrame, resting(),
+               flight(100 * kFrame, 101 * kFrame, {0.1, 0.2, 1.5}, {0, 0, 10}));
+  pair.finish();
+  ASSERT_GE(pair.events.size(), 1u) << "what touches must be said";
+  EXPECT_LE(pair.events.size(), 2u) << pair.list();
+  EXPECT_EQ(pair.events[0].kind, Kind::kInitialOverlap);
+  EXPECT_EQ(pair.events[0].certificate, Certificate::kPossible);
+  EXPECT_EQ(pair.count(Kind::kImpact), 0) << pair.list();
+  EXPECT_EQ(pair.state.phase, Phase::kApart);
+  // And a real impact afterwards is one.
+  pair.advance(101 * kFrame, 103 * kFrame, resting(),
+               flight(101 * kFrame, 103 * kFrame, {0.1, 0.2, 1.5 + 10e-9 * kFrame}, {0, 0, -10}));
+  EXPECT_EQ(pair.events.back().kind, Kind::kImpact);
+  EXPECT_EQ(pair.events.back().certificate, Certificate::kConfirmed) << pair.list();
+}
+
+TEST(Certified, ABoxThatLandsAndRestsIsNoFlood) {
+  Watched pair({box(2)}, {box(1)});
+  const double h = 1e-9 * kFrame;
+  pair.advance(0, kFrame, resting(), flight(0, kFrame, {0.1, 0.2, 1.5 + 10 * h}, {0, 0, -10}));
+  rest(pair, 1, 100);
+  pair.advance(101 * kFrame, 102 * kFrame, resting(),
+               flight(101 * kFrame, 102 * kFrame, {0.1, 0.2, 1.5}, {0, 0, 10}));
+  pair.finish();
+  EXPECT_EQ(pair.count(Kind::kImpact), 1) << pair.list();
+  EXPECT_LE(pair.count(Kind::kSeparation), 1) << pair.list();
+  EXPECT_EQ(pair.state.phase, Phase::kApart);
+}
+
+TEST(Certified, TwoImpactsAndTwoSeparationsInOnePiece) {
+  // A bar of 2 m turns once about its middle; a ball stands at 100 degrees: both tips pass it.
+  constexpr double kTurn = 6.283185307179586;
+  const double rate = kTurn / (kFrame * 1e-9);
+  Watched pair({moving::placed(geometry::Box{{2.0, 0.04, 0.04}})}, {sphere(0.05)});
+  const double angle = 100.0 / 360.0 * kTurn;
+  pair.advance(0, kFrame, flight(0, kFrame, Vec3::Zero(), Vec3::Zero(), {0, 0, rate}),
+               resting({0.8 * std::cos(angle), 0.8 * std::sin(angle), 0}));
+  ASSERT_EQ(pair.story(), std::string(kInAndOut) + ", " + kInAndOut) << pair.list();
+  const long double lead = std::asin(0.07L / 0.8L);
+  for (int i = 0; i < 4; ++i) {
+    const long double at = angle + (i < 2 ? 0.0L : 3.14159265358979323846L) + (i % 2 == 0 ? -lead : lead);
+    EXPECT_TRUE(holds(pair.events[i], 0, at / rate, 1e-13L)) << i << '\n' << pair.list();
+    EXPECT_LE(moving::widthOf(pair.events[i]), 1e-9) << pair.list();
+  }
+}
+
+TEST(Certified, ASpentBudgetIsSaidAndNeverClear) {
+  // "budget met: POSSIBLE, reason BUDGET": the truth lies in the bracket; a larger budget only shrinks it.
+  const auto b = flight(0, kFrame, {0.2, 0.1, 10}, {0, 0, -2000}, {10, 20, 30});
+  double last_width = 1.0;
+  bool confirmed = false;
+  for (std::uint64_t budget = 1; budget < 100000; budget *= 3) {
+    PairOptions options;
+    options.node_budget = budget;
+    Watched pair({moving::torus(1.0, 0.9, 40, 20)}, {moving::boxMesh({0.05, 0.05, 0.05})}, options);
+    const PieceOutcome outcome = pair.advance(0, kFrame, resting(), b);
+    pair.finish();
+    ASSERT_FALSE(pair.events.empty()) << "budget " << budget;
+    ASSERT_NE(outcome.answer, Answer::kClear) << "budget " << budget;
+    const PairEvent& e = pair.events[0];
+    EXPECT_TRUE(e.certificate == Certificate::kConfirmed || outcome.budget_met) << pair.list();
+    if (e.certificate == Certificate::kPossible) {
+      EXPECT_EQ(e.reason, Reason::kBudget) << pair.list();
+      EXPECT_EQ(outcome.answer, Answer::kUndecided);
+    }
+    EXPECT_LE(moving::widthOf(e), last_width) << "budget " << budget << '\n' << pair.list();
+    last_width = moving::widthOf(e);
+    confirmed = e.certificate == Certificate::kConfirmed;
+  }
+  EXPECT_TRUE(confirmed);
+}
+
+}  // namespace
+}  // namespace collision_node::impact

@@ -1,0 +1,168 @@
+/// search.h: "a time that firstPossible() passes over, and an instant that classify() calls apart, is proved
+/// free of contact ... Everything else is reported, never dropped."
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "collision_node/impact/search.h"
+#include "test/impact/fuzz_case.h"
+#include "test/impact/moving_pair.h"
+
+namespace collision_node::impact {
+namespace {
+
+using moving::Random;
+using oracle::Real;
+
+constexpr std::uint64_t kSeed = 77005;
+constexpr std::uint64_t kPlenty = 4'000'000;
+
+moving::Pair pairOf(const fuzz::Case& c) { return {c.a, c.b, c.piece, c.options.contact_distance}; }
+
+TEST(Search, FirstPossibleIsNeverLaterThanContact) {
+  int found = 0, hits = 0, close = 0;
+  for (int i = 0; i < 200; ++i) {
+    const fuzz::Case c = fuzz::makeCase(kSeed, i);
+    SCOPED_TRACE(c.describe());
+    const moving::Pair pair = pairOf(c);
+    const double duration = c.duration(), stop = 1e-10 * duration;
+    Search search(pair.solver, kPlenty);
+    const Search::First first = search.firstPossible(0.0, duration, stop);
+    ASSERT_FALSE(search.exhausted());
+    found += first.found;
+    const double free_until = first.found ? first.time : duration;
+    // Dense samples of what was passed over: surfaces apart. (Solids that hold each other are another
+    // question.)
+    for (int k = 0; k < 30 && free_until > 0.0; ++k) {
+      const Real t = static_cast<Real>(free_until) * k / 30;
+      const oracle::NearestParts nearest = pair.exact.nearest(t);
+      ASSERT_TRUE(nearest.inside || nearest.gap.upper > 0) << "contact at " << static_cast<double>(t);
+    }
+    if (pair.exact.nearest(0).inside) continue;
+    const oracle::FirstTouch truth = pair.exact.firstTouch(0, duration, 0, 200000);
+    if (!truth.found || !truth.verified) continue;
+    ++hits;
+    ASSERT_TRUE(first.found);
+    ASSERT_LE(first.time, truth.hi);
+    close += truth.lo - first.time < 1e-6L * duration;
+  }
+  std::printf("%d of 200 reported, %d true contacts, %d of them met within 1e-6 of the piece\n", found, hits,
+              close);
+  EXPECT_GT(hits, 60);
+  EXPECT_GT(close, 0.95 * hits) << "not a guarantee, but early answers cost work";
+}
+
+TEST(Search, ClassifyIsRightOrSaysNothing) {
+  int apart = 0, contact = 0, nothing = 0;
+  for (int i = 0; i < 200; ++i) {
+    const fuzz::Case c = fuzz::makeCase(kSeed + 1, i);
+    SCOPED_TRACE(c.describe());
+    const moving::Pair pair = pairOf(c);
+    Random random(kSeed + 1, 100000 + i);
+    for (int k = 0; k < 4; ++k) {
+      const double t = random.unit() * c.duration();
+      Search search(pair.solver, kPlenty);
+      ContactWitness witness;
+      const Proved proved = search.classify(t, &witness);
+      const Real distance = pair.exact.distance(t);
+      (proved == Proved::kApart ? apart : proved == Proved::kContact ? contact : nothing) += 1;
+      if (proved == Proved::kApart) {
+        ASSERT_GT(distance, c.options.contact_distance) << "at " << t;
+      }
+      if (proved == Proved::kContact) {
+        const Real unsure =
+            pair.exact.hasTwoCylinders() ? 1e-12L * pair.exact.scale() : pair.exact.touchDistance();
+        ASSERT_LE(distance, c.options.contact_distance + unsure) << "at " << t;
+      }
+    }
+  }
+  std::printf("%d apart, %d in contact, %d not proved\n", apart, contact, nothing);
+  EXPECT_GT(apart, 350);
+  EXPECT_GT(contact, 12);
+  EXPECT_LT(nothing, 0.02 * (apart + contact + nothing));
+}
+
+TEST(Search, NearPairsHoldEveryPairThatTouches) {
+  for (int i = 0; i < 80; ++i) {
+    const fuzz::Case c = fuzz::makeCase(kSeed + 2, i);
+    SCOPED_TRACE(c.describe());
+    const moving::Pair pair = pairOf(c);
+    const oracle::FirstTouch truth = pair.exact.firstTouch(0, c.duration(), 0, 100000);
+    if (!truth.found || !truth.verified) continue;
+    const double from = static_cast<double>(truth.hi) * (1 - 1e-9);
+    const double to = std::min(c.duration(), static_cast<double>(truth.hi) * (1 + 1e-9));
+    Search search(pair.solver, kPlenty);
+    if (pair.exact.nearest(truth.hi).inside) continue;
+    EXPECT_FALSE(search.nearPairs(from, to, 10).empty());
+    EXPECT_LE(search.nearPairs(from, to, 1).size(), 1u);
+  }
+}
+
+TEST(Search, OutOfReachIsAProof) {
+  int out = 0;
+  for (int i = 0; i < 200; ++i) {
+    const fuzz::Case c = fuzz::makeCase(kSeed + 3, i);
+    const moving::Pair pair = pairOf(c);
+    if (!Search(pair.solver, kPlenty).outOfReach()) continue;
+    ++out;
+    for (int k = 0; k <= 3; ++k)
+      ASSERT_GT(pair.exact.distance(pair.exact.duration() * k / 3), c.options.contact_distance)
+          << c.describe();
+  }
+  EXPECT_GT(out, 10) << "seed " << kSeed + 3;
+}
+
+/// A sphere of 5 mm flies past a torus, `offset` beside its axis.
+moving::Pair pastTorus(double offset, const Vec3& omega_a, int around = 120) {
+  const Piece piece{0, 33'333'333, moving::flight(0, 33'333'333, Vec3::Zero(), Vec3::Zero(), omega_a),
+                    moving::flight(0, 33'333'333, {offset, 0.0, -33}, {0, 0, 2000})};
+  return {{moving::torus(1.0, 0.3, around, around / 2)}, {moving::placed(geometry::Sphere{0.005})}, piece};
+}
+
+TEST(Search, PureTranslationNeedsNoTimeSubdivision) {
+  for (const double offset : {0.0, 0.5, 1.0, 1.31}) {
+    const moving::Pair pair = pastTorus(offset, Vec3::Zero());
+    Search search(pair.solver, kPlenty);
+    EXPECT_EQ(search.firstPossible(0.0, pair.solver.motion.duration(), 1e-12).found, offset == 1.0);
+    EXPECT_EQ(search.subdivisions(), 0u) << "offset " << offset;
+    EXPECT_LT(search.nodeTests(), 3000u) << "offset " << offset;
+  }
+}
+
+TEST(Search, WorkStaysBoundedForANearMiss) {
+  for (const double gap : {1e-3, 1e-6, 1e-9}) {
+    const moving::Pair pair = pastTorus(1.0 + 0.3 + 0.005 + gap, Vec3::Zero());
+    Search search(pair.solver, kPlenty);
+    EXPECT_FALSE(search.firstPossible(0.0, pair.solver.motion.duration(), 1e-12).found) << "gap " << gap;
+    EXPECT_LT(search.nodeTests(), 5000u) << "gap " << gap;
+  }
+  // The torus spins about its own axis, half a turn in the frame, a micrometre clear.
+  const moving::Pair spinning = pastTorus(1.0 + 0.3 + 0.005 + 1e-6, Vec3(0, 0, 94.0));
+  Search search(spinning.solver, kPlenty);
+  EXPECT_FALSE(search.firstPossible(0.0, spinning.solver.motion.duration(), 1e-12).found);
+  EXPECT_LT(search.nodeTests(), 50000u);
+  std::printf("spinning near miss: %lu node tests, %lu subdivisions\n",
+              static_cast<unsigned long>(search.nodeTests()),
+              static_cast<unsigned long>(search.subdivisions()));
+}
+
+TEST(Search, ASpentBudgetIsReported) {
+  const moving::Pair pair = pastTorus(1.0, Vec3(0, 0, 3));
+  Search plenty(pair.solver, kPlenty);
+  const Search::First truth = plenty.firstPossible(0.0, pair.solver.motion.duration(), 1e-12);
+  ASSERT_TRUE(truth.found);
+  for (const std::uint64_t budget : {0u, 1u, 3u, 10u, 30u}) {
+    Search search(pair.solver, budget);
+    const Search::First first = search.firstPossible(0.0, pair.solver.motion.duration(), 1e-12);
+    EXPECT_TRUE(search.exhausted()) << "budget " << budget;
+    EXPECT_TRUE(first.found) << "budget " << budget;
+    EXPECT_LE(first.time, truth.time) << "budget " << budget;
+    EXPECT_EQ(first.pair.a, -1) << "budget " << budget;
+    EXPECT_LE(search.nodeTests(), budget + 100) << "budget " << budget;
+  }
+  EXPECT_FALSE(plenty.exhausted());
+}
+
+}  // namespace
+}  // namespace collision_node::impact
