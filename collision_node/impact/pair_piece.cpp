@@ -13,6 +13,10 @@ PairPiece::PairPiece(const Body& body_a, const Body& body_b, const Piece& piece,
   const double pose_error =
       motion.translationError() + motion.rotationErrorA() * a.reach() + motion.rotationErrorB() * b.reach();
   point_error = 2.0 * pose_error + 64.0 * kUnit * (size + speed * motion.duration());
+  // Seen from a frame that is off by an angle, everything at a distance is off by angle times distance, the rate too.
+  const double turned = (motion.rotationErrorA() + motion.rotationErrorB()) * size;
+  frame_error = 2.0 * (point_error + turned);
+  frame_error += motion.duration() * (motion.spinA() + motion.spinB()) * turned;
   rate_error = (motion.spinA() + motion.spinB()) * pose_error + 64.0 * kUnit * speed;
 }
 

@@ -36,6 +36,7 @@ struct PairPiece {
   double contact_distance;
   double point_error;  ///< [m]
   double rate_error;   ///< [m/s]
+  double frame_error;  ///< [m] the same for points seen in a rotating body's frame, however far away they are
   double speed;        ///< sup of |relative velocity| of any material point of A and any of B [m/s]
 };
 

@@ -102,7 +102,7 @@ bool Search::clip(Item& item) const {
   const geometry::BvhNode &na = piece_.a.nodes()[item.a], &nb = piece_.b.nodes()[item.b];
   const Slab& s = slabs_[item.slab];
   const double bend = 0.5 * s.half * s.half * kUp;
-  const double budget = piece_.contact_distance + 4.0 * piece_.point_error + 2.0 * s.half * piece_.rate_error;
+  const double budget = piece_.contact_distance + 2.0 * piece_.frame_error + 2.0 * s.half * piece_.rate_error;
   const double pad = 32.0 * kUnit * piece_.motion.duration();
   double low = item.low - s.middle, high = item.high - s.middle;
 

@@ -25,7 +25,10 @@ void TimeLine::clockWentBack() {
     return track.status() == Track::Status::kLive || track.lastReleased();
   });
   if (!has_poses) return;  // nothing to go back from
-  const std::uint32_t target = hasLaterEpoch() ? latest_epoch_ : epoch_ + 1;
+  // Poses may have said so before the clock did: then this is the same jump, even if the scene has followed it already.
+  const bool known = hasLaterEpoch() || std::any_of(tracks_.begin(), tracks_.end(),
+                                                    [](const Track& track) { return track.wentBack(); });
+  const std::uint32_t target = known ? latest_epoch_ : epoch_ + 1;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     tracks_[i].clockWentBack(target);
     note(static_cast<int>(i));

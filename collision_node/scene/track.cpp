@@ -165,7 +165,7 @@ void Track::timeOut() {
 void Track::clockWentBack(std::uint32_t epoch) {
   if (fixed_) return;
   const bool went_back = std::exchange(went_back_, false);
-  if (went_back || epoch_ > scene_epoch_) return;
+  if (went_back || epoch_ >= epoch) return;
   const bool had_poses = !isEmpty();
   const Nanoseconds newest = newest_;
   enterEpoch(epoch);

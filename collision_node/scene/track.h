@@ -86,6 +86,8 @@ class Track {
   /// The next pose begins `epoch`, however its stamp compares. Ignored by a track that has just gone back by
   /// itself.
   void clockWentBack(std::uint32_t epoch);
+  /// Its own poses went back, and /clock has not said so yet.
+  bool wentBack() const { return went_back_; }
   /// The scene's epoch ends at `end_ns`: releases everything, ends the run.
   void close(Nanoseconds end_ns);
   /// The scene goes on in `epoch`; older samples are forgotten, and a track that stayed behind joins it.

@@ -158,6 +158,31 @@ TEST(TimeLine, ClockWentBackTakesAllTracksAlong) {
   EXPECT_EQ(line.tracks()[1].status(), Track::Status::kWaiting);
 }
 
+TEST(TimeLine, TheClockMayFollowAJumpThatTheSceneHasAlreadyMade) {
+  // The second object flew for half a second and is long gone when the bag loops: the first one's poses alone carry the
+  // scene into the new round, and /clock tells of it a moment later. The second object belongs to that same round.
+  TimeLine line = twoTracks();
+  feed(line, 0, 5000, 5500);
+  feed(line, 1, 5000, 5500);
+  feed(line, 0, 5600, 8200);
+  ASSERT_EQ(line.tracks()[1].status(), Track::Status::kTimedOut);
+  feed(line, 0, 5000, 5000);
+  ASSERT_TRUE(line.epochIsOver());
+  line.closeEpoch();
+  line.nextEpoch();
+  line.clockWentBack();
+  EXPECT_FALSE(line.epochIsOver());
+  feed(line, 1, 5000, 5500);
+  feed(line, 0, 5100, 5500);
+  EXPECT_EQ(line.epoch(), 1u);
+  EXPECT_FALSE(line.epochIsOver());
+  EXPECT_EQ(line.tracks()[0].status(), Track::Status::kLive);
+  EXPECT_EQ(line.tracks()[1].status(), Track::Status::kLive);
+  // The clock goes back once more: now it is news.
+  line.clockWentBack();
+  EXPECT_TRUE(line.epochIsOver());
+}
+
 // ---- pieces
 
 struct Walk {
