@@ -185,7 +185,7 @@ TEST(Body, BoxesAreTight) {
   EXPECT_LT(static_cast<double>(worst), 1e-12) << "seed " << kSeed + 1;
 }
 
-TEST(Body, DISABLED_BoxOfAnUprightCylinderIsTight) {
+TEST(Body, BoxOfAnUprightCylinderIsTight) {
   const Body body({{Cylinder{0.5, 2.0}, {}, "cylinder"}});
   EXPECT_LT(static_cast<double>(looseness(body, 0)), 1e-12);
 }

@@ -306,5 +306,48 @@ TEST(Certified, ASpentBudgetIsSaidAndNeverClear) {
   EXPECT_TRUE(confirmed);
 }
 
+TEST(Certified, ABudgetSpentAnywhereLosesNoImpact) {
+  // "Time that no event and no bracket covers is proved free of contact", wherever the budget ends.
+  struct Row {
+    geometry::PlacedShape a, b;
+    std::vector<double> heights;  ///< of b at its true impacts
+    double omega;
+  };
+  const auto surface = moving::boxMesh({1, 1, 1}, Vec3::Zero(), geometry::SolidChoice::kNo);
+  const auto small_box = moving::boxMesh({0.05, 0.05, 0.05});
+  const Row rows[] = {{moving::boxMesh({1, 1, 1}), sphere(0.05), {1.05}, 2.0},
+                      {box(2), sphere(0.05), {1.05}, 0.0},
+                      {moving::sheet(1), point(), {0.0}, 0.0},
+                      {moving::boxMesh({1, 1, 1}), small_box, {1.05}, 0.0},
+                      {surface, sphere(0.05), {1.05, -0.95}, 2.0},
+                      {surface, point(), {1.0, -1.0}, 0.0}};
+  for (const Row& row : rows) {
+    for (std::uint64_t budget = 0; budget < 600; budget += budget < 250 ? 1 : 7) {
+      PairOptions options;
+      options.node_budget = budget;
+      Watched pair({row.a}, {row.b}, options);
+      const PieceOutcome outcome = pair.advance(
+          0, kFrame, resting(), flight(0, kFrame, {0.3, 0.1, 10}, {0, 0, -2000}, {0, 0, row.omega}));
+      pair.finish();
+      SCOPED_TRACE("shapes " + std::to_string(row.a.shape.index()) + ", " +
+                   std::to_string(row.b.shape.index()) + " budget " + std::to_string(budget) + "\n" +
+                   pair.list());
+      ASSERT_FALSE(pair.events.empty());
+      ASSERT_NE(pair.events[0].kind, Kind::kSeparation);
+      // An IMPACT that no SEPARATION follows says that the rest is contact or not known.
+      const bool open = pair.events.back().kind != Kind::kSeparation;
+      for (const double height : row.heights) {
+        bool covered = open && moving::lowerOf(pair.events.back(), 0) < (10 - height) / 2000;
+        for (const PairEvent& e : pair.events)
+          covered |= e.kind == Kind::kImpact && holds(e, 0, (10 - static_cast<long double>(height)) / 2000);
+        ASSERT_TRUE(covered) << "impact at height " << height;
+      }
+      if (open) {
+        ASSERT_EQ(outcome.answer, Answer::kUndecided);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace collision_node::impact
