@@ -36,12 +36,29 @@ void Track::add(motion::StampedPose pose, bool guessed, std::optional<Nanosecond
     ++counts_.rejected;
     return;
   }
-  if (held_ && held_->pose.stamp_ns == pose.stamp_ns) {
+  const Nanoseconds stamp = pose.stamp_ns;
+  // What follows a pose that is very far back belongs to it, though an earlier round had the same stamps.
+  const bool is_new_round = held_ && (held_may_be_stale_ || backBy(held_->pose.stamp_ns) > options_.jump_ns);
+  if ((held_ && held_->pose.stamp_ns == stamp) || (!is_new_round && isKnown(stamp))) {
     ++counts_.duplicate;
     return;
   }
   if (held_) resolveHeld(pose);
+  if (isKnown(stamp)) {
+    ++counts_.duplicate;
+    return;
+  }
   place({pose, guessed}, floor);
+}
+
+bool Track::isKnown(Nanoseconds stamp_ns) const {
+  return pending_.count(stamp_ns) != 0 || std::binary_search(recent_.begin(), recent_.end(), stamp_ns);
+}
+
+/// How far a stamp lies before what the track has reached. While nothing is released that is the newest pose.
+Nanoseconds Track::backBy(Nanoseconds stamp_ns) const {
+  if (isEmpty()) return 0;
+  return last_released_.value_or(newest_) - stamp_ns;
 }
 
 /// The pose after a held one tells what the held one was: the beginning of a new epoch, or a straggler.
@@ -52,7 +69,7 @@ void Track::resolveHeld(const motion::StampedPose& next) {
     ++counts_.late;
   } else if (may_be_stale) {
     insert(held);
-  } else if (last_released_ && next.stamp_ns <= *last_released_) {
+  } else if (backBy(next.stamp_ns) >= 0) {
     enterEpoch(epoch_ + 1);
     went_back_ = true;
     insert(held);
@@ -72,16 +89,8 @@ void Track::place(const Arrival& arrival, std::optional<Nanoseconds> floor) {
       return;
     }
   }
-  if (pending_.count(stamp) != 0 || (last_released_ && stamp == *last_released_)) {
-    ++counts_.duplicate;
-    return;
-  }
-  const bool is_back = last_released_ ? stamp < *last_released_ : !pending_.empty() && stamp < newest_;
-  const Nanoseconds back_by = is_back ? (last_released_ ? *last_released_ : newest_) - stamp : 0;
-  if (back_by > options_.jump_ns) {
-    enterEpoch(epoch_ + 1);
-    went_back_ = true;
-  } else if (last_released_ && is_back) {
+  // Before the first release any pose within `jump` may still take its place in the window.
+  if (backBy(stamp) > (last_released_ ? 0 : options_.jump_ns)) {
     held_ = arrival;
     return;
   }
@@ -135,6 +144,8 @@ void Track::release(const Arrival& arrival) {
     first_released_ = arrival.pose.stamp_ns;
   }
   last_released_ = arrival.pose.stamp_ns;
+  recent_.push_back(*last_released_);
+  while (recent_.front() < *last_released_ - options_.jump_ns) recent_.pop_front();
   floor_.reset();
   if (epoch_ == scene_epoch_) {
     if (!scene_first_) scene_first_ = last_released_;
@@ -182,6 +193,7 @@ void Track::enterEpoch(std::uint32_t epoch) {
   epoch_ = epoch;
   last_released_.reset();
   first_released_.reset();
+  recent_.clear();
   floor_.reset();
   stale_from_.reset();
 }

@@ -1,10 +1,10 @@
 /// One object's poses in time order: a state machine from poses as they arrive to released samples and
 /// breaks.
 ///
-/// Rules (DESIGN section 6): a pose is released once the same track has delivered one at least `reorder`
-/// later, or has ended. Of two poses with one stamp the first wins. A pose older than the last released one
-/// is held; it opens a new epoch when the next one goes on from it, or at once when it is back by more than
-/// `jump`; else it is late.
+/// Rules: a pose is released once the same track has delivered one at least `reorder` later, or has ended. Of
+/// two poses with one stamp the first wins, as far back as `jump` before the last released one. Any other
+/// pose older than the last released one is held; it opens a new epoch when the next one goes on from it,
+/// else it is late: one bad stamp opens nothing.
 #pragma once
 
 #include <cstddef>
@@ -131,6 +131,8 @@ class Track {
     bool guessed = false;
   };
 
+  bool isKnown(Nanoseconds stamp_ns) const;
+  Nanoseconds backBy(Nanoseconds stamp_ns) const;
   void resolveHeld(const motion::StampedPose& next);
   void place(const Arrival& arrival, std::optional<Nanoseconds> floor);
   void insert(const Arrival& arrival);
@@ -146,6 +148,7 @@ class Track {
   std::map<Nanoseconds, Arrival> pending_;     ///< delivered, not released, of epoch_
   std::optional<Nanoseconds> last_released_;   ///< in epoch_
   std::optional<Nanoseconds> first_released_;  ///< in epoch_
+  std::deque<Nanoseconds> recent_;             ///< released in epoch_ within the last `jump`, ascending
   std::optional<Nanoseconds> scene_first_, scene_last_;
   std::optional<Nanoseconds> floor_;  ///< where a track that joined late may begin; until its next release
   Nanoseconds newest_ = 0;            ///< in epoch_, of those delivered

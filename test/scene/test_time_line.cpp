@@ -166,14 +166,14 @@ TEST(TimeLine, TheClockMayFollowAJumpThatTheSceneHasAlreadyMade) {
   feed(line, 1, 5000, 5500);
   feed(line, 0, 5600, 8200);
   ASSERT_EQ(line.tracks()[1].status(), Track::Status::kTimedOut);
-  feed(line, 0, 5000, 5000);
+  feed(line, 0, 5000, 5100);
   ASSERT_TRUE(line.epochIsOver());
   line.closeEpoch();
   line.nextEpoch();
   line.clockWentBack();
   EXPECT_FALSE(line.epochIsOver());
   feed(line, 1, 5000, 5500);
-  feed(line, 0, 5100, 5500);
+  feed(line, 0, 5200, 5500);
   EXPECT_EQ(line.epoch(), 1u);
   EXPECT_FALSE(line.epochIsOver());
   EXPECT_EQ(line.tracks()[0].status(), Track::Status::kLive);

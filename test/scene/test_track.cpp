@@ -96,14 +96,60 @@ TEST(Track, ASmallStepBackThatGoesOnIsANewEpoch) {
   EXPECT_EQ(track.counts().late, 0u);
 }
 
-TEST(Track, BackByMoreThanJumpIsANewEpochAtOnce) {
-  Track track = fed({5000, 5100, 5200, 4099});
+TEST(Track, PosesSentAgainAreDuplicatesAndOpenNothing) {
+  // Three released stamps in a row come again, and one that is still waiting for its release.
+  Track track = fed({0, 500, 600, 700, 800, 900, 1000, 1100, 1200, 800, 900, 1000, 1200, 1300, 1400});
+  EXPECT_EQ(track.epoch(), 0u);
+  EXPECT_EQ(track.counts().duplicate, 4u);
+  EXPECT_EQ(track.counts().late, 0u);
+  EXPECT_EQ(released(track), Stamps({0, 500, 600, 700, 800, 900, 1000, 1100, 1200, 1300}));
+  // A straggler among them is not taken for the beginning of a round.
+  track = fed({0, 100, 200, 300, 400, 500, 150, 200, 300, 600, 700});
+  EXPECT_EQ(track.epoch(), 0u);
+  EXPECT_EQ(track.counts().duplicate, 2u);
+  EXPECT_EQ(track.counts().late, 1u);
+}
+
+TEST(Track, StampsOfARoundBeforeAreNoDuplicates) {
+  // Back by more than jump: the second and third stamps of the new round are those of poses just released.
+  Track track = fed({0, 400, 800, 1200, 1300, 0, 400, 800});
   EXPECT_EQ(track.epoch(), 1u);
-  EXPECT_EQ(fed({5000, 5100, 5200, 4100}).epoch(), 0u);  // exactly jump
+  EXPECT_EQ(track.counts().duplicate, 0u);
+  track.beginEpoch(1);
+  EXPECT_EQ(released(track), Stamps({0, 400}));
+  // A stream so slow that the second stamp of the round is the last one released.
+  track = fed({0, 5000, 10000, 0, 5000, 10000});
+  EXPECT_EQ(track.epoch(), 1u);
+}
+
+TEST(Track, ADuplicateIsKnownAsFarBackAsJump) {
+  TrackOptions with = options();
+  with.jump_ns = 300 * kMs;
+  EXPECT_EQ(fed({0, 100, 200, 300, 400, 500, 600, 200}, with).counts().duplicate, 1u);  // released up to 500
+  EXPECT_EQ(fed({0, 100, 200, 300, 400, 500, 600, 100}, with).counts().duplicate, 0u);
+}
+
+TEST(Track, BackByMoreThanJumpIsANewEpochOnceItGoesOn) {
+  EXPECT_EQ(fed({5000, 5100, 5200, 3000}).epoch(), 0u);  // held: nobody knows yet
+  Track track = fed({5000, 5100, 5200, 3000, 3100});
+  EXPECT_EQ(track.epoch(), 1u);
+  track.beginEpoch(1);
+  EXPECT_EQ(released(track), Stamps({3000}));
+  EXPECT_EQ(track.counts().late, 0u);
+}
+
+TEST(Track, OneBadStampOpensNothing) {
+  Track track = fed({5000, 5100, 5200, 0, 5300, 5400});
+  EXPECT_EQ(track.epoch(), 0u);
+  EXPECT_EQ(track.counts().late, 1u);
+  EXPECT_EQ(released(track), Stamps({5000, 5100, 5200, 5300}));
+  track = fed({5000, 0, 5100, 5200});  // before the first release, too
+  EXPECT_EQ(track.epoch(), 0u);
+  EXPECT_EQ(released(track), Stamps({5000, 5100}));
 }
 
 TEST(Track, ALonePoseOfTheFarFutureDoesNotSwallowTheLoop) {
-  Track track = fed({100000, 0});  // nothing was released yet
+  Track track = fed({100000, 0, 100});  // nothing was released yet
   EXPECT_EQ(track.epoch(), 1u);
 }
 

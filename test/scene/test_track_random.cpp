@@ -27,33 +27,26 @@ class Model {
   };
 
   void add(Nanoseconds t) {
-    if (held_) {
-      const Nanoseconds h = *held_;
-      if (t == h) {
-        ++duplicate;
-        return;
-      }
-      held_.reset();
-      if (t > h && lastReleased() && t <= *lastReleased()) {
-        epochs_.emplace_back();
-        epochs_.back().push_back(h);
-      } else {
-        ++late;
-      }
-    }
-    std::vector<Nanoseconds>& now = epochs_.back();
-    const bool known = std::count(now.begin(), now.end(), t) != 0;
-    if (known && (!lastReleased() || t >= *lastReleased())) {
+    const bool far_held = held_ && reached() - *held_ > kJump;
+    if ((held_ && t == *held_) || (!far_held && isKnown(t))) {
       ++duplicate;
       return;
     }
-    if (lastReleased() && t < *lastReleased() && *lastReleased() - t <= kJump) {
-      held_ = t;
-      return;
+    if (held_) {
+      if (t > *held_ && t <= reached()) {
+        epochs_.push_back({*held_});
+      } else {
+        ++late;
+      }
+      held_.reset();
     }
-    const bool far_back = !now.empty() && t < lastReleased().value_or(newest()) - kJump;
-    if (far_back) epochs_.emplace_back();
-    epochs_.back().push_back(t);
+    if (isKnown(t)) {
+      ++duplicate;
+    } else if (!epochs_.back().empty() && t < reached() - (lastReleased() ? 0 : kJump)) {
+      held_ = t;
+    } else {
+      epochs_.back().push_back(t);
+    }
   }
 
   void end() {
@@ -80,6 +73,12 @@ class Model {
   std::uint64_t late = 0, duplicate = 0;
 
  private:
+  /// A stamp that waits for release, or was released at most `jump` ago.
+  bool isKnown(Nanoseconds t) const {
+    const std::vector<Nanoseconds>& now = epochs_.back();
+    return std::count(now.begin(), now.end(), t) != 0 && (!lastReleased() || t >= *lastReleased() - kJump);
+  }
+  Nanoseconds reached() const { return lastReleased() ? *lastReleased() : newest(); }
   Nanoseconds newest() const { return *std::max_element(epochs_.back().begin(), epochs_.back().end()); }
   std::optional<Nanoseconds> lastReleased() const {
     std::optional<Nanoseconds> last;
@@ -132,6 +131,11 @@ std::vector<Nanoseconds> mishaps(std::mt19937_64& random) {
     stream.push_back(t);
     if (chance(0.05)) stream.push_back(t);              // twice
     if (chance(0.05)) stream.push_back(t - upTo(400));  // straggler
+    if (chance(0.02)) stream.push_back(0);              // a header never filled
+    if (chance(0.03) && stream.size() > 9) {            // the last ones sent again
+      const std::vector<Nanoseconds> again(stream.end() - 3 - upTo(5), stream.end());
+      stream.insert(stream.end(), again.begin(), again.end());
+    }
     if (chance(0.2) && stream.size() > 1) std::swap(stream[stream.size() - 1], stream[stream.size() - 2]);
   }
   return stream;
