@@ -83,6 +83,29 @@ TEST(Search, ClassifyIsRightOrSaysNothing) {
   EXPECT_LT(nothing, 0.02 * (apart + contact + nothing));
 }
 
+TEST(Search, WhatTouchesExactlyIsNotApart) {
+  const auto box = moving::placed(geometry::Box{{1, 1, 1}}), sphere = moving::placed(geometry::Sphere{0.5});
+  const auto point = moving::placed(geometry::Point{});
+  const struct {
+    geometry::PlacedShape a, b;
+    Vec3 d;
+  } rows[] = {{box, box, {0.25, 0.5, 1.0}},
+              {sphere, sphere, {0, 1.0, 0}},
+              {box, point, {0.5, 0.25, 0.125}},
+              {moving::sheet(1), point, {0.5, 0.25, 0}},
+              {moving::sheet(1), moving::sheet(1), {2.0, 0.25, 0}},
+              {moving::boxMesh({0.5, 0.5, 0.5}), sphere, {0.25, 0.25, -1.0}}};
+  for (const auto& row : rows) {
+    const moving::Pair pair({row.a}, {row.b}, {0, 1'000'000, moving::resting(), moving::resting(row.d)});
+    Search search(pair.solver, kPlenty);
+    ContactWitness witness;
+    EXPECT_NE(search.classify(0.0, &witness), Proved::kApart)
+        << row.a.shape.index() << ' ' << row.b.shape.index();
+    EXPECT_TRUE(search.firstPossible(0.0, 1e-3, 1e-12).found);
+    EXPECT_FALSE(search.nearPairs(0.0, 1e-3, 5).empty());
+  }
+}
+
 TEST(Search, NearPairsHoldEveryPairThatTouches) {
   for (int i = 0; i < 80; ++i) {
     const fuzz::Case c = fuzz::makeCase(kSeed + 2, i);
