@@ -73,6 +73,7 @@ class Engine::Impl {
   std::vector<std::vector<int>> pairs_of_track_;
   std::vector<int> freezing_tracks_;
   std::vector<std::size_t> prune_at_;
+  std::vector<char> had_hole_;  ///< by object, since the last heartbeat
   // Brackets still open, by their lower end; and where each watch stands in that set.
   std::set<std::pair<Instant, int>> open_brackets_;
   std::vector<std::optional<Instant>> open_since_;
@@ -87,7 +88,8 @@ Engine::Impl::Impl(std::shared_ptr<const Scene> scene, const MethodFactory& make
       sinks_(std::move(sinks)),
       time_line_(makeTracks(*scene_), toNanoseconds(scene_->time.timeout)),
       pairs_of_track_(scene_->objects.size()),
-      prune_at_(scene_->objects.size(), kSamplesBeforePruning) {
+      prune_at_(scene_->objects.size(), kSamplesBeforePruning),
+      had_hole_(scene_->objects.size(), 0) {
   for (std::size_t i = 0; i < scene_->objects.size(); ++i)
     if (scene_->objects[i].on_timeout == OnTimeout::kFreeze) freezing_tracks_.push_back(static_cast<int>(i));
 
@@ -218,6 +220,9 @@ void Engine::Impl::walk(ObjectPair& pair, Nanoseconds rest_known_ns) {
       watches_[watch].interrupt(step.reason, queue_);
       noteBracket(watch);
     }
+    if (step.reason == impact::Reason::kReset) continue;
+    if (step.a_broke) had_hole_[pair.a] = 1;
+    if (step.b_broke) had_hole_[pair.b] = 1;
   }
 }
 
@@ -238,6 +243,7 @@ void Engine::Impl::testStatic(ObjectPair& pair) {
   step.piece = {start, start + 1, time_line_.tracks()[pair.a].restAt(0),
                 time_line_.tracks()[pair.b].restAt(0)};
   pair.tested_ns = start + 1;
+  for (const int watch : pair.watches) watches_[watch].startOver();  // the answer holds for the whole epoch
   advance(pair, step);
   for (const int watch : pair.watches) {
     watches_[watch].finish(queue_);
@@ -295,6 +301,7 @@ void Engine::Impl::startEpoch() {
     noteBracket(static_cast<int>(i));
   }
   queue_.newEpoch();
+  had_hole_.assign(had_hole_.size(), 0);
   walked_to_ns_ = kNever;
   last_beat_ns_ = kNever;
 }
@@ -349,13 +356,14 @@ void Engine::Impl::heartbeat(Nanoseconds stamp_ns) {
   Stats now = stats();
   now.stamp_ns = stamp_ns;
   for (PairWatch& watch : watches_) watch.clearAnswer();
+  for (std::size_t i = 0; i < had_hole_.size(); ++i) had_hole_[i] = isMissed(time_line_.tracks()[i]) ? 1 : 0;
   if (sinks_.stats) sinks_.stats(now);
 }
 
 Stats Engine::Impl::stats() const {
   Stats stats;
   countPairs(watches_, time_line_, stats);
-  countInputs(*scene_, time_line_, stats);
+  countInputs(*scene_, time_line_, had_hole_, stats);
   stats.epoch = time_line_.epoch();
   stats.stamp_ns = time_line_.newestReleased().value_or(0);
   stats.has_watermark = time_line_.watermark().has_value();

@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/scene/scene.h"
+#include "collision_node/scene/segment.h"
 
 namespace collision_node::scene {
 
@@ -47,7 +49,8 @@ struct Event {
 
 /// Heartbeat: what has been decided up to `watermark_ns`, and what it cost. Counts are since the last
 /// heartbeat for pairs, totals since the engine began for inputs, costs and worst values. A heartbeat comes
-/// at each whole stats_period after the epoch's first stamp, at a flush and at the end of an epoch.
+/// at each whole stats_period after the epoch's first stamp (data that leap over several bring one, at the
+/// last of them), at a flush and at the end of an epoch.
 struct Stats {
   std::uint32_t epoch = 0;
   Nanoseconds stamp_ns = 0;  ///< data time of this heartbeat
@@ -55,12 +58,15 @@ struct Stats {
       0;  ///< everything before it is decided and published; meaningless unless has_watermark
   bool has_watermark = false;
   std::uint64_t pairs_culled = 0, pairs_clear = 0, pairs_impact = 0,
-                pairs_undecided = 0;  ///< sum = watched covered pairs
-  std::uint64_t pairs_uncovered = 0;
-  std::vector<std::string> uncovered_objects;  ///< waited for in vain, or dropped
+                pairs_undecided = 0;  ///< with pairs_uncovered: all watched pairs
+  std::uint64_t pairs_uncovered = 0;           ///< for some of the time since the last heartbeat, or all of it
+  std::vector<std::string> uncovered_objects;  ///< waited for in vain, dropped, or with a hole since then
   std::uint64_t accepted = 0, reordered = 0, late = 0, duplicate = 0,
                 rejected = 0;  ///< reordered: of the accepted
   std::uint64_t lost = 0;      ///< filled by the caller, who sees sequence numbers
+  std::uint64_t holes = 0;     ///< gaps, teleports and silences through which nothing is swept
+  std::optional<Hole> first_hole;
+  std::string first_hole_object;
   std::uint64_t node_tests = 0, subdivisions = 0, budget_met = 0;
   double worst_bracket = 0;         ///< [s]
   double worst_position_error = 0;  ///< [m]

@@ -54,6 +54,7 @@ void PairWatch::advance(const Step& step, EventQueue& queue, Costs& costs) {
   costs.node_tests += outcome.node_tests;
   costs.subdivisions += outcome.subdivisions;
   if (outcome.budget_met) ++costs.budget_met;
+  is_swept_ = true;
   last_ = outcome.answer;
   worst_ = worst_ ? std::max(*worst_, outcome.answer) : outcome.answer;
 
@@ -70,7 +71,10 @@ void PairWatch::interrupt(impact::Reason reason, EventQueue& queue) {
   std::vector<impact::PairEvent> events;
   method_->interrupt(state_, reason, events);
   for (const impact::PairEvent& event : events) publish(event, bracket_, queue);
-  startOver();
+  forgetContact();
+  is_swept_ = false;
+  // The end of an epoch is no hole in it: nothing is known to follow.
+  if (reason != impact::Reason::kReset) had_hole_ = true;
 }
 
 void PairWatch::finish(EventQueue& queue) {
@@ -80,6 +84,12 @@ void PairWatch::finish(EventQueue& queue) {
 }
 
 void PairWatch::startOver() {
+  forgetContact();
+  worst_.reset();
+  is_swept_ = had_hole_ = false;
+}
+
+void PairWatch::forgetContact() {
   state_ = impact::PairState();
   bracket_ = Context();
   contact_.reset();
@@ -90,14 +100,18 @@ std::optional<Instant> PairWatch::openSince() const {
   return instantAt(state_.pending.interval_start_ns, state_.pending.toi_lower);
 }
 
-impact::Answer PairWatch::worstAnswer() const {
+std::optional<impact::Answer> PairWatch::worstAnswer() const {
+  if (had_hole_ || (!is_swept_ && !worst_)) return std::nullopt;
   if (worst_) return *worst_;
   if (state_.phase == Phase::kTouching) return impact::Answer::kImpact;
   if (state_.phase == Phase::kUndecided) return impact::Answer::kUndecided;
   return std::min(last_, impact::Answer::kClear);
 }
 
-void PairWatch::clearAnswer() { worst_.reset(); }
+void PairWatch::clearAnswer() {
+  worst_.reset();
+  had_hole_ = !is_swept_;
+}
 
 PairWatch::Context PairWatch::contextOf(const Step& step) const {
   const Link& a = scene_.objects[pair_.object_a].links[pair_.link_a];

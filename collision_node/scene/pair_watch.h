@@ -26,14 +26,16 @@ class PairWatch {
   void interrupt(impact::Reason reason, EventQueue& queue);
   /// The end, for now: an undecided bracket is published. A contact stays open.
   void finish(EventQueue& queue);
+  /// A new epoch: as if never advanced.
   void startOver();
 
   bool isTouching() const { return state_.phase == impact::PairState::Phase::kTouching; }
   /// Lower end of the bracket that is still being searched and not published yet.
   std::optional<Instant> openSince() const;
 
-  /// The worst answer since clearAnswer(); without a piece since then, what the last pieces left.
-  impact::Answer worstAnswer() const;
+  /// The worst answer since clearAnswer(); without a piece since then, what the last pieces left. Nothing when
+  /// some of that time was not swept: no piece yet, or a hole.
+  std::optional<impact::Answer> worstAnswer() const;
   void clearAnswer();
 
   const LinkPair& pair() const { return pair_; }
@@ -45,6 +47,7 @@ class PairWatch {
     double speed_a = 0.0, speed_b = 0.0;  ///< [m/s] upper bounds over the link
   };
 
+  void forgetContact();
   Context contextOf(const Step& step) const;
   void publish(const impact::PairEvent& event, const Context& context, EventQueue& queue);
   Event makeEvent(const impact::PairEvent& from, const Context& context) const;
@@ -59,6 +62,8 @@ class PairWatch {
   std::shared_ptr<ContactNumber> contact_;
   std::optional<impact::Answer> worst_;
   impact::Answer last_ = impact::Answer::kCulled;
+  bool is_swept_ = false;  ///< there was a piece since the start or the last break
+  bool had_hole_ = false;  ///< since clearAnswer(): nothing was swept for a while
 };
 
 }  // namespace collision_node::scene

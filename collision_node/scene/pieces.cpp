@@ -59,9 +59,12 @@ Step PieceCursor::next(const Track& a, const Track& b, Nanoseconds rest_known_ns
   const Reach reach_a = a.reach(a_);
   const Reach reach_b = b.reach(b_);
   const bool a_breaks = breaksAt(reach_a, at_ns_);
-  if (a_breaks || breaksAt(reach_b, at_ns_)) {
+  const bool b_breaks = breaksAt(reach_b, at_ns_);
+  if (a_breaks || b_breaks) {
     begun_ = false;
     step.what = Step::What::kBreak;
+    step.a_broke = a_breaks;
+    step.b_broke = b_breaks;
     step.reason = a_breaks ? reach_a.reason : reach_b.reason;
     return step;
   }

@@ -15,6 +15,7 @@ struct Step {
   impact::Piece piece;  ///< kPiece; adjoins the piece before, or is the first after a kBreak
   impact::Reason doubt = impact::Reason::kNone;   ///< kPiece: why events on it may not be certified
   impact::Reason reason = impact::Reason::kNone;  ///< kBreak: nothing is swept from the last piece on
+  bool a_broke = false, b_broke = false;          ///< kBreak: whose poses broke off
 };
 
 /// Walks two tracks at once. The pieces do not depend on when the poses arrived, only on which were released.

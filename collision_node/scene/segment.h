@@ -1,5 +1,8 @@
-/// Two consecutive poses of a track and the motion between them, as the object's motion model says.
+/// Two consecutive poses of a track and the motion between them, as the object's motion model says; and where
+/// there is none.
 #pragma once
+
+#include <cstdint>
 
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/motion/rigid_motion.h"
@@ -12,6 +15,16 @@ struct Segment {
   motion::RigidMotion motion;
   impact::Reason doubt = impact::Reason::kNone;
 };
+
+/// Nothing is known of an object from `after_ns` on: a gap or a teleport (GAP), or it went silent (TIMEOUT).
+struct Hole {
+  std::uint32_t epoch = 0;
+  Nanoseconds after_ns = 0;  ///< the last pose before it
+  impact::Reason reason = impact::Reason::kNone;
+};
+inline bool operator<(const Hole& l, const Hole& r) {
+  return l.epoch != r.epoch ? l.epoch < r.epoch : l.after_ns < r.after_ns;
+}
 
 /// Requires from.stamp_ns < to.stamp_ns. The doubt is ALIAS when the twists contradict the model: more than
 /// half a turn between two poses (slerp, hermite), more than a quarter turn of disagreement (spin), or no

@@ -18,14 +18,20 @@ bool isCovered(const Track& track) {
   return false;
 }
 
+bool isMissed(const Track& track) {
+  return !isCovered(track) && track.status() != Track::Status::kWaiting;
+}
+
 void countPairs(const std::vector<PairWatch>& watches, const TimeLine& time_line, Stats& stats) {
   for (const PairWatch& watch : watches) {
     const LinkPair& pair = watch.pair();
-    if (!isCovered(time_line.tracks()[pair.object_a]) || !isCovered(time_line.tracks()[pair.object_b])) {
+    const auto answer = watch.worstAnswer();
+    if (!answer || !isCovered(time_line.tracks()[pair.object_a]) ||
+        !isCovered(time_line.tracks()[pair.object_b])) {
       ++stats.pairs_uncovered;
       continue;
     }
-    switch (watch.worstAnswer()) {
+    switch (*answer) {
       case impact::Answer::kCulled:
         ++stats.pairs_culled;
         break;
@@ -42,17 +48,23 @@ void countPairs(const std::vector<PairWatch>& watches, const TimeLine& time_line
   }
 }
 
-void countInputs(const Scene& scene, const TimeLine& time_line, Stats& stats) {
+void countInputs(const Scene& scene, const TimeLine& time_line, const std::vector<char>& had_hole,
+                 Stats& stats) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const Track& track = time_line.tracks()[i];
-    const bool is_waited_for = track.status() == Track::Status::kWaiting;
-    if (!is_waited_for && !isCovered(track)) stats.uncovered_objects.push_back(scene.objects[i].name);
+    if (had_hole[i] != 0 || isMissed(track)) stats.uncovered_objects.push_back(scene.objects[i].name);
     const InputCounts& counts = track.counts();
     stats.accepted += counts.accepted;
     stats.reordered += counts.reordered;
     stats.late += counts.late;
     stats.duplicate += counts.duplicate;
     stats.rejected += counts.rejected;
+    stats.holes += counts.holes;
+    const std::optional<Hole>& hole = track.firstHole();
+    if (hole && (!stats.first_hole || *hole < *stats.first_hole)) {
+      stats.first_hole = hole;
+      stats.first_hole_object = scene.objects[i].name;
+    }
   }
 }
 

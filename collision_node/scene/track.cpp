@@ -132,6 +132,7 @@ void Track::release(const Arrival& arrival) {
     const Sample& before = samples_.back();
     if (before.after != After::kOpen) {
       sample.join = Join::kTimeout;
+      if (before.after == After::kFrozen) noteHole(impact::Reason::kTimeout);
     } else if (arrival.pose.stamp_ns - *last_released_ > options_.max_gap_ns) {
       sample.join = Join::kGap;
     } else {
@@ -140,6 +141,7 @@ void Track::release(const Arrival& arrival) {
       sample.join = teleport ? Join::kGap : Join::kJoined;
       if (before.guessed || arrival.guessed) sample.segment.doubt = impact::Reason::kStampGuessed;
     }
+    if (sample.join == Join::kGap) noteHole(impact::Reason::kGap);
   } else {
     first_released_ = arrival.pose.stamp_ns;
   }
@@ -169,8 +171,17 @@ void Track::releaseAll() {
 
 void Track::timeOut() {
   releaseUpTo(kForEver);
-  if (last_released_)
-    samples_.back().after = options_.on_timeout == OnTimeout::kFreeze ? After::kFrozen : After::kDropped;
+  if (!last_released_) return;
+  // A frozen object is known to stand there; its hole is the step to where it comes back.
+  const bool freezes = options_.on_timeout == OnTimeout::kFreeze;
+  samples_.back().after = freezes ? After::kFrozen : After::kDropped;
+  if (!freezes) noteHole(impact::Reason::kTimeout);
+}
+
+/// Behind the last released pose.
+void Track::noteHole(impact::Reason reason) {
+  ++counts_.holes;
+  if (!first_hole_) first_hole_ = Hole{epoch_, *last_released_, reason};
 }
 
 void Track::clockWentBack(std::uint32_t epoch) {

@@ -47,6 +47,7 @@ struct TrackOptions {
 struct InputCounts {
   std::uint64_t accepted = 0, late = 0, duplicate = 0, rejected = 0;
   std::uint64_t reordered = 0;  ///< of the accepted: those that came after a younger one
+  std::uint64_t holes = 0;      ///< stretches between accepted poses that are not swept
 };
 
 /// What a track does from one of its samples on.
@@ -111,6 +112,8 @@ class Track {
   /// How far the data of an epoch beyond the scene's has come. [ns]
   Nanoseconds lead() const;
   const InputCounts& counts() const { return counts_; }
+  /// Of all epochs.
+  const std::optional<Hole>& firstHole() const { return first_hole_; }
 
   // Samples by a running index that survives pruning.
   std::size_t firstIndex() const { return base_; }
@@ -139,6 +142,7 @@ class Track {
   void releaseUpTo(Nanoseconds stamp_ns);
   void release(const Arrival& arrival);
   void enterEpoch(std::uint32_t epoch);
+  void noteHole(impact::Reason reason);
   bool isEmpty() const { return pending_.empty() && !last_released_; }
   bool isBroken() const { return last_released_ && samples_.back().after != After::kOpen; }
 
@@ -161,6 +165,7 @@ class Track {
   std::deque<Sample> samples_;  ///< of the scene's epoch and later ones
   std::size_t base_ = 0;        ///< index of samples_.front()
   InputCounts counts_;
+  std::optional<Hole> first_hole_;
 };
 
 }  // namespace collision_node::scene

@@ -116,6 +116,96 @@ TEST(EngineStats, EveryPairIsInExactlyOneBin) {
   EXPECT_EQ(rig.beats.back().accepted, 142u);
 }
 
+std::uint64_t binsOf(const Stats& s) {
+  return s.pairs_culled + s.pairs_clear + s.pairs_impact + s.pairs_undecided;
+}
+
+TEST(EngineStats, APairWithAHoleIsUncoveredUntilTheNextHeartbeat) {
+  auto scene = sceneOf({movingSphere("ball"), movingSphere("other"), fixedSphere("wall", 10.0)});
+  scene->pairs = {{0, 0, 2, 0, 0.0}, {1, 0, 2, 0, 0.0}};
+  for (const bool teleport : {false, true}) {
+    SCOPED_TRACE(teleport);
+    scene->objects[0].max_speed = teleport ? 50.0 : 1e9;
+    Rig rig(scene);
+    for (Nanoseconds t = 0; t <= 5000; t += 100) {
+      rig.engine.addPose(1, poseAt(t, 50.0));
+      // Through the wall unseen, between 2.1 s and 3.3 s or in one step.
+      if (teleport || t <= 2100 || t >= 3300) rig.engine.addPose(0, poseAt(t, t <= 2100 ? 0.0 : 20.0));
+    }
+    rig.engine.flush();
+    EXPECT_TRUE(rig.events.empty());
+    ASSERT_EQ(rig.beats.size(), 5u);
+    const std::size_t with_hole = teleport ? 2 : 3;  // a gap is known at its end
+    for (std::size_t i = 0; i < rig.beats.size(); ++i) {
+      SCOPED_TRACE(i);
+      const Stats& beat = rig.beats[i];
+      const bool has_hole = i == with_hole;
+      EXPECT_EQ(binsOf(beat), has_hole ? 1u : 2u);
+      EXPECT_EQ(beat.pairs_uncovered, has_hole ? 1u : 0u);
+      EXPECT_EQ(beat.uncovered_objects, std::vector<std::string>(has_hole ? 1 : 0, "ball"));
+      EXPECT_EQ(beat.holes, i >= with_hole ? 1u : 0u);
+    }
+    const Stats stats = rig.engine.stats();
+    ASSERT_TRUE(stats.first_hole);
+    EXPECT_EQ(stats.first_hole_object, "ball");
+    EXPECT_EQ(stats.first_hole->after_ns, 2100 * kMs);
+    EXPECT_EQ(stats.first_hole->reason, impact::Reason::kGap);
+  }
+}
+
+TEST(EngineStats, ADroppedObjectIsUncoveredUntilTheHeartbeatAfterItsReturn) {
+  auto scene = sceneOf({movingSphere("ball"), movingSphere("clock"), fixedSphere("wall", 10.0)});
+  scene->pairs = {{0, 0, 2, 0, 0.0}};
+  Rig rig(scene);
+  for (Nanoseconds t = 0; t <= 8000; t += 100) {
+    rig.engine.addPose(1, poseAt(t, 50.0));
+    if (t <= 1200 || t >= 5300) rig.engine.addPose(0, poseAt(t, 0.0));
+  }
+  rig.engine.flush();
+  ASSERT_EQ(rig.beats.size(), 8u);
+  for (std::size_t i = 0; i < rig.beats.size(); ++i) {
+    const bool is_missed = i >= 2 && i <= 5;  // silent since 1.2 s, known at 2.8 s; back at 5.3 s
+    EXPECT_EQ(rig.beats[i].pairs_uncovered, is_missed ? 1u : 0u) << i;
+    EXPECT_EQ(rig.beats[i].uncovered_objects, std::vector<std::string>(is_missed ? 1 : 0, "ball")) << i;
+    EXPECT_EQ(rig.beats[i].holes, i >= 2 ? 1u : 0u) << i;
+  }
+  EXPECT_EQ(rig.engine.stats().first_hole->reason, impact::Reason::kTimeout);
+}
+
+TEST(EngineStats, APairThatSharedNoTimeIsUncoveredAndNotCulled) {
+  Rig rig(sceneOf({movingSphere("a"), movingSphere("b")}));
+  rig.engine.addPose(0, poseAt(0, 0.0));
+  rig.engine.addPose(1, poseAt(0, 0.0));
+  rig.engine.flush();
+  EXPECT_EQ(rig.engine.stats().pairs_uncovered, 1u);
+  EXPECT_EQ(binsOf(rig.engine.stats()), 0u);
+  rig.feedLine(0, 100, 1000, 100, 0.0, 0.0);
+  rig.feedLine(1, 100, 1000, 100, 50.0, 0.0);
+  EXPECT_EQ(rig.engine.stats().pairs_uncovered, 1u);  // there was a heartbeat before
+  rig.engine.flush();
+  EXPECT_EQ(rig.engine.stats().pairs_uncovered, 0u);
+}
+
+TEST(EngineStats, TheEndOfAnEpochIsNoHole) {
+  Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
+  rig.feedLine(0, 5000, 6500, 100, 0.0, 0.0);
+  rig.feedLine(0, 0, 400, 100, 0.0, 0.0);
+  ASSERT_EQ(rig.beats.size(), 2u);
+  EXPECT_EQ(rig.beats[1].stamp_ns, 6500 * kMs);
+  EXPECT_EQ(rig.beats[1].pairs_clear, 1u);
+  EXPECT_EQ(rig.engine.stats().epoch, 1u);
+  EXPECT_EQ(rig.engine.stats().pairs_clear, 1u);
+  EXPECT_EQ(rig.engine.stats().holes, 0u);
+}
+
+TEST(EngineStats, DataThatLeapOverSeveralPeriodsBringOneHeartbeat) {
+  Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
+  rig.feedLine(0, 0, 500, 100, 0.0, 0.0);
+  rig.feedLine(0, 7500, 7700, 100, 0.0, 0.0);
+  ASSERT_EQ(rig.beats.size(), 1u);
+  EXPECT_EQ(rig.beats[0].stamp_ns, 7000 * kMs);
+}
+
 // ---- zones
 
 Zone boxZone(const std::string& name, const Vec3& centre, const Vec3& size) {
