@@ -25,12 +25,17 @@ bool isClearOfBall(const Zone& zone, const Vec3& centre, double radius) {
   return outside.norm() > radius;
 }
 
+bool meetsBall(const Zone& zone, const Vec3& centre, double radius) {
+  return radius >= 0.0 && !isClearOfBall(zone, centre, radius);
+}
+
 }  // namespace
 
 ZoneAnswer findZone(const Object& object, const std::string& link, const Vec3& point, const Vec3& centre,
                     double radius) {
   ZoneAnswer answer;
   answer.certain = true;
+  const Zone* touched = nullptr;  // the first that the ball meets: the witness is known no better than that
   for (const Zone& zone : object.zones) {
     if (zone.link != link) continue;
     if (holds(zone, point)) {
@@ -40,7 +45,9 @@ ZoneAnswer findZone(const Object& object, const std::string& link, const Vec3& p
     }
     // A part of the ball in an earlier zone would have another answer.
     answer.certain = answer.certain && isClearOfBall(zone, centre, radius);
+    if (touched == nullptr && meetsBall(zone, centre, radius)) touched = &zone;
   }
+  if (touched != nullptr) answer.name = touched->name;
   return answer;
 }
 

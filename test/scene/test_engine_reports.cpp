@@ -224,7 +224,22 @@ TEST(Zones, TheFirstThatHoldsThePointWins) {
   EXPECT_EQ(findZone(tank, "turret", {0, 0, 1}, {0, 0, 1}, 0.1).name, "hatch");
   EXPECT_EQ(findZone(tank, "turret", {0, 0, -1}, {0, 0, -1}, 0.1).name, "cockpit");
   EXPECT_EQ(findZone(tank, "turret", {0, 0, 3}, {0, 0, 3}, 0.1).name, "");
+  EXPECT_EQ(findZone(tank, "turret", {0, 0, 3}, {0, 0, 3}, std::nan("")).name, "");
   EXPECT_EQ(findZone(tank, "hull", {0, 0, 1}, {0, 0, 1}, 0.1).name, "");
+}
+
+TEST(Zones, AWitnessJustOutsideIsInTheZoneThatItsBallMeets) {
+  // Boxes that end on the link's own surface: the witness lies a rounding beyond it.
+  Object tank;
+  tank.zones = {boxZone("left", {-0.5, 0, 0}, {1, 2, 2}), boxZone("right", {0.5, 0, 0}, {1, 2, 2})};
+  const Vec3 hit(1.0 + 3e-13, 0.2, 0.3);
+  const ZoneAnswer answer = findZone(tank, "turret", hit, hit, 1e-9);
+  EXPECT_EQ(answer.name, "right");
+  EXPECT_FALSE(answer.certain);
+  EXPECT_EQ(findZone(tank, "turret", hit, hit, 1e-13).name, "");
+  // On the seam the first wins; nothing is certain.
+  const Vec3 seam(0, 0, 1.0 + 1e-12);
+  EXPECT_EQ(findZone(tank, "turret", seam, seam, 1e-9).name, "left");
 }
 
 TEST(Zones, CertainMeansTheWholeBall) {
