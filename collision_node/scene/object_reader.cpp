@@ -306,6 +306,12 @@ class ObjectReader {
     if (const auto value = reader_.real("angular_acceleration", notNegative("rad/s^2"))) {
       object_.angular_acceleration = *value;
     }
+    for (const char* key : {"acceleration", "angular_acceleration"}) {
+      if (reader_.has(key)) {
+        warnings_.push_back(object_.name + ": " + key +
+                            " is not used yet: the model_ fields of events stay NaN; leave it out");
+      }
+    }
   }
 
   // ---- zones
