@@ -11,6 +11,7 @@
 #include "collision_node/scene/event_queue.h"
 #include "collision_node/scene/pair_watch.h"
 #include "collision_node/scene/pieces.h"
+#include "collision_node/scene/rest.h"
 #include "collision_node/scene/scene_tracks.h"
 #include "collision_node/scene/summary.h"
 #include "collision_node/scene/time_line.h"
@@ -40,7 +41,7 @@ class Engine::Impl {
   /// All watched link pairs of two objects: they share their pieces.
   struct ObjectPair {
     int a, b;
-    bool is_static;  ///< both fixed: one test per epoch
+    bool is_static;  ///< both fixed, or one rigid object: one test per epoch
     PieceCursor cursor;
     std::vector<int> watches;
     Nanoseconds tested_ns = kNever;  ///< static: where the test ended
@@ -101,8 +102,7 @@ Engine::Impl::Impl(std::shared_ptr<const Scene> scene, const MethodFactory& make
     const LinkPair& pair = scene_->pairs[rank];
     const Link& a = scene_->objects[pair.object_a].links[pair.link_a];
     const Link& b = scene_->objects[pair.object_b].links[pair.link_b];
-    if (!a.body || !b.body || pair.object_a == pair.object_b)
-      continue;  // links of one rigid object keep their place
+    if (!a.body || !b.body) continue;
     options.contact_distance = pair.contact_distance;
     addPair(pair, static_cast<int>(rank), make_method(*a.body, *b.body, options));
   }
@@ -113,11 +113,14 @@ void Engine::Impl::addPair(const LinkPair& pair, int rank, std::unique_ptr<impac
   const std::pair<int, int> key{pair.object_a, pair.object_b};
   const auto [place, is_new] = object_pair_at_.emplace(key, static_cast<int>(object_pairs_.size()));
   if (is_new) {
-    const bool is_static =
-        time_line_.tracks()[pair.object_a].isFixed() && time_line_.tracks()[pair.object_b].isFixed();
+    const std::vector<Track>& tracks = time_line_.tracks();
+    const bool is_static = pair.object_a == pair.object_b ||
+                           (tracks[pair.object_a].isFixed() && tracks[pair.object_b].isFixed());
     object_pairs_.push_back({pair.object_a, pair.object_b, is_static, {}, {}});
-    pairs_of_track_[pair.object_a].push_back(place->second);
-    pairs_of_track_[pair.object_b].push_back(place->second);
+    if (!is_static) {
+      pairs_of_track_[pair.object_a].push_back(place->second);
+      pairs_of_track_[pair.object_b].push_back(place->second);
+    }
   }
   object_pairs_[place->second].watches.push_back(static_cast<int>(watches_.size()));
   watches_.emplace_back(*scene_, pair, rank, std::move(method));
@@ -160,16 +163,16 @@ void Engine::Impl::flush() {
     time_line_.nextEpoch();
     startEpoch();
   }
-  if (time_line_.firstReleased())
-    for (ObjectPair& pair : object_pairs_)
-      if (pair.is_static) testStatic(pair);
+  for (ObjectPair& pair : object_pairs_)
+    if (pair.is_static) testStatic(pair);
   for (std::size_t i = 0; i < watches_.size(); ++i) {
     watches_[i].finish(queue_);
     noteBracket(static_cast<int>(i));
   }
   publishAll();
-  const auto newest = time_line_.newestReleased();
-  if (newest && *newest > last_beat_ns_) heartbeat(*newest);
+  // Without any pose it is a heartbeat at 0: the pairs are accounted for all the same.
+  const Nanoseconds newest = time_line_.newestReleased().value_or(0);
+  if (newest > last_beat_ns_) heartbeat(newest);
 }
 
 void Engine::Impl::reset() {
@@ -193,17 +196,14 @@ void Engine::Impl::work() {
       due.insert(pairs_of_track_[track].begin(), pairs_of_track_[track].end());
     walked_to_ns_ = known_ns;
   }
-  for (const int index : due) {
-    ObjectPair& pair = object_pairs_[index];
-    if (!pair.is_static) walk(pair, known_ns);
-  }
+  for (const int index : due) walk(object_pairs_[index], known_ns);
   if (time_line_.watermark()) {
     for (ObjectPair& pair : object_pairs_)
       if (pair.is_static) testStatic(pair);
     publishBefore(decidedUpTo());
+    prune(changed);  // before there is a watermark, first poses may still be asked for
   }
   heartbeatIfDue();
-  prune(changed);
 }
 
 void Engine::Impl::walk(ObjectPair& pair, Nanoseconds rest_known_ns) {
@@ -233,32 +233,26 @@ void Engine::Impl::advance(const ObjectPair& pair, const Step& step) {
   }
 }
 
-/// Two fixed objects touch or they do not: asked once per epoch, at its first stamp, on the shortest piece
-/// there is.
+/// Two fixed objects, or two links of a rigid one, touch or they do not: asked once per epoch, on the
+/// shortest piece there is.
 void Engine::Impl::testStatic(ObjectPair& pair) {
   if (pair.tested_ns != kNever) return;
-  const Nanoseconds start = *time_line_.firstReleased();
-  Step step;
-  step.what = Step::What::kPiece;
-  step.piece = {start, start + 1, time_line_.tracks()[pair.a].restAt(0),
-                time_line_.tracks()[pair.b].restAt(0)};
-  pair.tested_ns = start + 1;
+  const std::optional<Step> step = firstRest(time_line_, pair.a, pair.b);
+  if (!step) return;
+  pair.tested_ns = step->piece.end_ns;
   for (const int watch : pair.watches) watches_[watch].startOver();  // the answer holds for the whole epoch
-  advance(pair, step);
+  advance(pair, *step);
   for (const int watch : pair.watches) {
     watches_[watch].finish(queue_);
     noteBracket(watch);
   }
 }
 
-/// A contact of fixed objects lasts to the end of the epoch.
+/// A contact of such a pair lasts to the end of the epoch.
 void Engine::Impl::endStatic(ObjectPair& pair) {
-  if (!time_line_.firstReleased()) return;
   testStatic(pair);
-  Step step;
-  step.what = Step::What::kPiece;
-  step.piece = {pair.tested_ns, *time_line_.newestReleased(), time_line_.tracks()[pair.a].restAt(0),
-                time_line_.tracks()[pair.b].restAt(0)};
+  if (pair.tested_ns == kNever) return;
+  const Step step = lastRest(time_line_, pair.a, pair.b, pair.tested_ns);
   for (const int watch : pair.watches) {
     if (!watches_[watch].isTouching()) continue;
     if (step.piece.start_ns < step.piece.end_ns) watches_[watch].advance(step, queue_, costs_);
@@ -313,8 +307,7 @@ void Engine::Impl::prune(const std::vector<int>& tracks) {
     std::size_t needed = std::numeric_limits<std::size_t>::max();
     for (const int at : pairs_of_track_[index]) {
       ObjectPair& pair = object_pairs_[at];
-      if (time_line_.watermark())
-        pair.cursor.skipTo(time_line_.tracks()[pair.a], time_line_.tracks()[pair.b], *time_line_.watermark());
+      pair.cursor.skipTo(time_line_.tracks()[pair.a], time_line_.tracks()[pair.b], *time_line_.watermark());
       needed = std::min(needed, pair.a == index ? pair.cursor.indexA() : pair.cursor.indexB());
     }
     time_line_.dropBefore(index, needed);

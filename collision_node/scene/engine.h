@@ -59,7 +59,7 @@ struct Stats {
   bool has_watermark = false;
   std::uint64_t pairs_culled = 0, pairs_clear = 0, pairs_impact = 0,
                 pairs_undecided = 0;  ///< with pairs_uncovered: all watched pairs
-  std::uint64_t pairs_uncovered = 0;           ///< for some of the time since the last heartbeat, or all of it
+  std::uint64_t pairs_uncovered = 0;  ///< for some of the time since the last heartbeat, or all of it
   std::vector<std::string> uncovered_objects;  ///< waited for in vain, dropped, or with a hole since then
   std::uint64_t accepted = 0, reordered = 0, late = 0, duplicate = 0,
                 rejected = 0;  ///< reordered: of the accepted

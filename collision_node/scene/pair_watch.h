@@ -33,8 +33,8 @@ class PairWatch {
   /// Lower end of the bracket that is still being searched and not published yet.
   std::optional<Instant> openSince() const;
 
-  /// The worst answer since clearAnswer(); without a piece since then, what the last pieces left. Nothing when
-  /// some of that time was not swept: no piece yet, or a hole.
+  /// The worst answer since clearAnswer(); without a piece since then, what the last pieces left. Nothing
+  /// when some of that time was not swept: no piece yet, or a hole.
   std::optional<impact::Answer> worstAnswer() const;
   void clearAnswer();
 

@@ -217,7 +217,11 @@ class Plan {
       const Object& b = scene_.objects[pair.object_b];
       out_ << "  " << nameOf(pair.object_a, pair.link_a) << " x " << nameOf(pair.object_b, pair.link_b)
            << ": certified: " << kindsOf(a.links[pair.link_a]) << " x " << kindsOf(b.links[pair.link_b]);
-      if (isFixed(a) && isFixed(b)) out_ << ", both fixed: one static test";
+      if (pair.object_a == pair.object_b) {
+        out_ << ", links of one object: one static test";
+      } else if (isFixed(a) && isFixed(b)) {
+        out_ << ", both fixed: one static test";
+      }
       if (pair.contact_distance > 0.0)
         out_ << ", touching within " << formatReal(pair.contact_distance) << " m";
       out_ << "\n";

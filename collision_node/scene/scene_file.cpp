@@ -85,6 +85,14 @@ std::shared_ptr<const Scene> loadScene(const std::string& file, const Resources&
     scene->warnings.push_back(
         file + ": no pair is watched: nothing can be reported; give two objects, or see pairs");
   }
+  const bool moves = std::any_of(scene->objects.begin(), scene->objects.end(), [](const Object& object) {
+    return object.source.type != PoseSource::Type::kFixed;
+  });
+  if (!moves && !scene->pairs.empty()) {
+    scene->warnings.push_back(
+        file +
+        ": no object moves: each pair is tested once, at the end, with stamp 0; give one a topic or tf");
+  }
   return scene;
 }
 

@@ -18,9 +18,7 @@ bool isCovered(const Track& track) {
   return false;
 }
 
-bool isMissed(const Track& track) {
-  return !isCovered(track) && track.status() != Track::Status::kWaiting;
-}
+bool isMissed(const Track& track) { return !isCovered(track) && track.status() != Track::Status::kWaiting; }
 
 void countPairs(const std::vector<PairWatch>& watches, const TimeLine& time_line, Stats& stats) {
   for (const PairWatch& watch : watches) {

@@ -262,6 +262,66 @@ TEST(Engine, TwoFixedObjectsAreTestedOncePerEpoch) {
   EXPECT_EQ(rig.events.size(), 3u);
 }
 
+TEST(Engine, TwoFixedObjectsAreTestedThoughNoPoseEverComes) {
+  Rig rig(sceneOf({fixedSphere("slab", 9.6), fixedSphere("wall", 10.0)}));
+  rig.engine.flush();
+  ASSERT_EQ(kinds(rig.events), Kinds{"INITIAL_OVERLAP/CONFIRMED/NONE"});
+  EXPECT_EQ(rig.events[0].stamp_ns, 0);
+  ASSERT_EQ(rig.beats.size(), 1u);
+  EXPECT_EQ(rig.beats[0].pairs_impact, 1u);
+  rig.engine.flush();
+  EXPECT_EQ(rig.events.size(), 1u);
+  EXPECT_EQ(rig.beats.size(), 1u);
+  rig.engine.reset();
+  EXPECT_EQ(kinds(rig.events), (Kinds{"INITIAL_OVERLAP/CONFIRMED/NONE", "SEPARATION/UNCERTIFIED/RESET"}));
+}
+
+/// Two links 0.4 m apart on one body: they overlap wherever it goes.
+Object movingTwin(double distance) {
+  Object twin = movingSphere("twin");
+  Link other = twin.links[0];
+  other.name = "other";
+  other.T_o_l.position.x() = distance;
+  other.shapes[0].origin.position.x() = distance;
+  other.body = std::make_shared<geometry::Body>(other.shapes);
+  twin.links.push_back(other);
+  return twin;
+}
+
+TEST(Engine, LinksOfOneObjectAreTestedOncePerEpoch) {
+  for (const double distance : {0.4, 3.0}) {
+    SCOPED_TRACE(distance);
+    auto scene = sceneOf({movingTwin(distance), fixedSphere("wall", 100.0)});
+    scene->pairs = {{0, 0, 0, 1, 0.0}, {0, 0, 1, 0, 0.0}};
+    Rig rig(scene, impact::MethodName::kCertified);
+    rig.feedLine(0, 1000, 30000, 100, 5.0, 1.0);  // long enough for samples to be forgotten
+    rig.engine.flush();
+    const bool touch = distance < 1.0;
+    ASSERT_EQ(kinds(rig.events), touch ? Kinds{"INITIAL_OVERLAP/CONFIRMED/NONE"} : Kinds{});
+    EXPECT_EQ(rig.beats.back().pairs_clear + rig.beats.back().pairs_culled, touch ? 1u : 2u);
+    EXPECT_EQ(rig.beats.back().pairs_impact, touch ? 1u : 0u);
+    if (!touch) continue;
+    EXPECT_EQ(rig.events[0].stamp_ns, 1000 * kMs);
+    EXPECT_EQ(rig.events[0].a.link, "body");
+    EXPECT_EQ(rig.events[0].b.link, "other");
+    EXPECT_EQ(rig.events[0].a.pose.position.x(), 6.0);
+    rig.engine.reset();
+    ASSERT_EQ(rig.events.size(), 2u);
+    EXPECT_EQ(rig.events[1].reason, impact::Reason::kReset);
+    EXPECT_EQ(rig.events[1].stamp_ns, 30000 * kMs);
+    EXPECT_EQ(rig.events[1].a.pose.position.x(), 35.0);
+  }
+}
+
+TEST(Engine, LinksOfOneObjectAreTestedAtItsFirstPoseHoweverLateTheTestComes) {
+  auto scene = sceneOf({movingSphere("absent"), movingTwin(0.4)});
+  scene->pairs = {{0, 0, 1, 0, 0.0}, {1, 0, 1, 1, 0.0}};
+  Rig rig(scene, impact::MethodName::kCertified);
+  rig.feedLine(1, 1000, 4000, 5, 5.0, 1.0);  // some 300 poses while the other one is waited for
+  ASSERT_EQ(kinds(rig.events), Kinds{"INITIAL_OVERLAP/CONFIRMED/NONE"});
+  EXPECT_EQ(rig.events[0].stamp_ns, 1000 * kMs);
+}
+
 TEST(Engine, BadPosesAreCountedAndHarmless) {
   Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
   rig.feedLine(0, 0, 400, 100, 0.0, 20.0);

@@ -69,6 +69,30 @@ TEST_F(PlanText, SaysWhatIsNotNeeded) {
   }
 }
 
+TEST_F(PlanText, SaysThatAccelerationIsNotUsedYet) {
+  const std::string plan = planText(*load(R"(
+objects:
+  a: {point: {}, pose: {topic: a}, acceleration: 5, angular_acceleration: 0.1}
+  b: {point: {}, pose: {topic: b}}
+)"));
+  EXPECT_HAS(plan, "warnings (2):\n  a: acceleration is not used yet: the model_ fields of events stay NaN");
+  EXPECT_HAS(plan, "  a: angular_acceleration is not used yet");
+}
+
+TEST_F(PlanText, SaysWhatAPairThatCannotMoveIsAskedAndWhen) {
+  const std::string fixed =
+      planText(*load("objects: {a: {point: {}, pose: {fixed: {}}}, b: {point: {}, pose: {fixed: {}}}}\n"));
+  EXPECT_HAS(fixed, "warnings (1):\n  " + file_ +
+                        ": no object moves: each pair is tested once, at the end, with stamp 0");
+  const std::string self = planText(*load(R"(
+objects: {robot: {urdf: robot.urdf, pose: {topic: robot/pose}}}
+pairs: {self: true}
+)"));
+  EXPECT_HAS(self,
+             "  robot/base x robot/tool: certified: box x mesh, links of one object: one static test\n");
+  EXPECT_HAS_NOT(self, "no object moves");
+}
+
 TEST_F(PlanText, AskedSurfaceAndOddTrianglesAreSaid) {
   folder_.write("twice.obj", test_support::boxObj(1, 1, 1) + "f 5 6 8 7\nf 1 1 2\n");
   const std::string plan = planText(*load(R"(
