@@ -84,7 +84,7 @@ class Run {
     engine_->flush();
     progress.finish();
     const scene::Stats last = engine_->stats();
-    heartbeat(last);
+    budget_met_ = budget_met_ || last.budget_met > 0;
     outputs_->end();
     if (options_.jsonl != "-") printSummary(out_, outputs_->events(), last, silentObjects());
     if (options_.timing)
