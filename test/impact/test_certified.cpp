@@ -334,6 +334,13 @@ TEST(Certified, ABudgetSpentAnywhereLosesNoImpact) {
                    pair.list());
       ASSERT_FALSE(pair.events.empty());
       ASSERT_NE(pair.events[0].kind, Kind::kSeparation);
+      for (std::size_t i = 0; i < pair.events.size(); ++i) {
+        ASSERT_EQ(pair.events[i].interval_end_ns, kFrame);
+        if (i > 0 && pair.events[i].kind == Kind::kImpact) {
+          ASSERT_GE(pair.events[i].toi_lower, pair.events[i - 1].toi_upper)
+              << "what was decided is asked again";
+        }
+      }
       // An IMPACT that no SEPARATION follows says that the rest is contact or not known; so does a POSSIBLE
       // bracket.
       const bool open = pair.events.back().kind != Kind::kSeparation;
