@@ -102,6 +102,8 @@ void checkPoseType(const std::string& datatype, const std::string& md5sum, const
 
 StampedPose readPose(const RawMessage& message, const PoseSource& source, const std::string& world_frame) {
   checkPoseType(message.datatype, message.md5sum, source);
+  if (message.datatype == ros::message_traits::datatype<geometry_msgs::PoseArray>())
+    checkArray(message, headerSize(message), ros::serialization::serializationLength(geometry_msgs::Pose()));
   StampedPose out;
   withType(message.datatype, [&](auto empty, const std::string& name) {
     using Message = decltype(empty);

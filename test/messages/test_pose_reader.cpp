@@ -8,6 +8,7 @@
 #include <ros/serialization.h>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "collision_node/messages/pose_reader.h"
@@ -147,6 +148,33 @@ TEST(PoseReader, refusesAnotherVersionAndACutMessage) {
   Wire<geometry_msgs::PoseStamped> wire(stamped);
   wire.raw.size -= 1;
   EXPECT_THROW(readPose(wire.raw, topic(), "world"), PoseError);
+}
+
+TEST(PoseReader, noLengthThatBytesClaimTakesAllMemory) {
+  geometry_msgs::PoseArray array;
+  array.header = header();
+  array.poses = {pose(1), pose(2)};
+  const std::size_t count_at = 16 + array.header.frame_id.size();
+  for (const std::uint32_t claimed : {3u, 100'000'000u, 0xffffffffu}) {
+    Wire<geometry_msgs::PoseArray> wire(array);
+    std::memcpy(wire.bytes.data() + count_at, &claimed, 4);
+    try {
+      readPose(wire.raw, topic(0), "world");
+      FAIL() << claimed << " poses were read from the bytes of two";
+    } catch (const PoseError& error) {
+      EXPECT_NE(std::string(error.what()).find(std::to_string(claimed)), std::string::npos) << error.what();
+    }
+  }
+  // Every cut, and a frame_id that claims the rest of the world.
+  for (std::uint32_t size = 0; size < Wire<geometry_msgs::PoseArray>(array).raw.size; ++size) {
+    Wire<geometry_msgs::PoseArray> wire(array);
+    wire.raw.size = size;
+    EXPECT_THROW(readPose(wire.raw, topic(0), "world"), PoseError) << size;
+  }
+  Wire<geometry_msgs::PoseArray> wire(array);
+  const std::uint32_t huge = 0xfffffff0u;
+  std::memcpy(wire.bytes.data() + 12, &huge, 4);
+  EXPECT_THROW(readPose(wire.raw, topic(0), "world"), PoseError);
 }
 
 }  // namespace
