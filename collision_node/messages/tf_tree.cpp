@@ -18,12 +18,18 @@ void TfTree::follow(int object, const std::string& frame) {
 std::vector<std::string> TfTree::chainToRoot(const std::string& frame) const {
   std::vector<std::string> chain{frame};
   for (auto edge = edges_.find(frame); edge != edges_.end(); edge = edges_.find(edge->second.parent)) {
-    // add() lets no frame get a second parent, so a loop can only close on a frame already in the chain.
+    // No frame ever gets a second parent, so a loop can only close on a frame already in the chain.
     if (std::find(chain.begin(), chain.end(), edge->second.parent) != chain.end())
       throw TfError("tf frames form a loop through '" + edge->second.parent + "'");
     chain.push_back(edge->second.parent);
   }
   return chain;
+}
+
+/// Throws when an edge above one of the first `count` frames is in conflict.
+void TfTree::checkConflicts(const std::vector<std::string>& chain, std::size_t count) const {
+  for (std::size_t i = 0; i < count; ++i)
+    if (const auto found = conflicts_.find(chain[i]); found != conflicts_.end()) throw TfError(found->second);
 }
 
 bool TfTree::resolve(Follower& follower) const {
@@ -36,7 +42,14 @@ bool TfTree::resolve(Follower& follower) const {
     common_f = static_cast<std::size_t>(found - from_frame.begin());
     break;
   }
-  if (common_w == from_world.size()) return false;
+  if (common_w == from_world.size()) {
+    // Where a chain ends, the transform above it may have been refused.
+    checkConflicts({from_world.back()}, 1);
+    checkConflicts({from_frame.back()}, 1);
+    return false;
+  }
+  checkConflicts(from_world, common_w);
+  checkConflicts(from_frame, common_f);
 
   follower.up.assign(from_world.begin(), from_world.begin() + static_cast<std::ptrdiff_t>(common_w));
   follower.down.assign(from_frame.begin(), from_frame.begin() + static_cast<std::ptrdiff_t>(common_f));
@@ -103,32 +116,55 @@ void TfTree::emit(const Follower& follower, const Sample& sample) const {
 void TfTree::add(const std::string& parent, const std::string& child, Nanoseconds stamp_ns, const Pose& pose,
                  bool is_static) {
   if (followers_.empty()) return;
-  if (parent == child) throw TfError("tf frame '" + child + "' is its own parent");
   const auto found = edges_.find(child);
-  const bool is_new = found == edges_.end();
-  if (!is_new && found->second.parent != parent)
-    throw TfError("tf frame '" + child + "' had the parent '" + found->second.parent + "' and now gets '" +
-                  parent + "'");
-  if (!is_new && found->second.is_static != is_static)
-    throw TfError("tf frame '" + child + "' is sent both on /tf and on /tf_static");
-  Edge& edge = is_new ? edges_[child] : found->second;
-  edge.parent = parent;
-  edge.is_static = is_static;
+  if (parent == child) {
+    refuse(child, "tf frame '" + child + "' is its own parent");
+  } else if (found != edges_.end() && found->second.parent != parent) {
+    refuse(child, "tf frame '" + child + "' had the parent '" + found->second.parent + "' and now gets '" +
+                      parent + "'");
+  } else if (found != edges_.end() && found->second.is_static != is_static) {
+    refuse(child, "tf frame '" + child + "' is sent both on /tf and on /tf_static");
+  } else if (is_static) {
+    addStatic(parent, child, pose);
+  } else {
+    addMoving(parent, child, {stamp_ns, pose});
+  }
+}
 
-  if (is_static) {
-    motion::StampedPose checked;
-    checked.pose = pose;
-    if (motion::checkAndNormalise(checked) != motion::PoseFault::kNone) {
-      if (is_new) edges_.erase(child);
-      throw TfError("static transform '" + parent + "' to '" + child +
-                    "' is not finite or its quaternion not unit");
-    }
-    edge.pose = checked.pose;
-    if (is_new) resolveAll();
+/// Keeps the fault at the edge above `child`; throws it when a followed chain runs through there.
+void TfTree::refuse(const std::string& child, const std::string& fault) {
+  conflicts_[child] = fault;
+  for (const auto& follower : followers_) {
+    if (!follower.resolved) continue;
+    for (const auto* part : {&follower.up, &follower.down})
+      if (std::find(part->begin(), part->end(), child) != part->end()) throw TfError(fault);
+  }
+  resolveAll();
+}
+
+void TfTree::addStatic(const std::string& parent, const std::string& child, const Pose& pose) {
+  motion::StampedPose checked;
+  checked.pose = pose;
+  if (motion::checkAndNormalise(checked) != motion::PoseFault::kNone) {
+    refuse(child,
+           "static transform '" + parent + "' to '" + child + "' is not finite or its quaternion not unit");
     return;
   }
+  const bool is_new = edges_.count(child) == 0;
+  Edge& edge = edges_[child];
+  edge.parent = parent;
+  edge.is_static = true;
+  edge.pose = checked.pose;
+  if (!is_new) return;
+  conflicts_.erase(child);  // only refused transforms so far, and now a good one
+  resolveAll();
+}
 
-  const Sample sample{stamp_ns, pose};
+void TfTree::addMoving(const std::string& parent, const std::string& child, const Sample& sample) {
+  const bool is_new = edges_.count(child) == 0;
+  Edge& edge = edges_[child];
+  edge.parent = parent;
+  if (is_new) conflicts_.erase(child);
   bool waiting = false;
   for (const auto& follower : followers_) {
     if (!follower.resolved)

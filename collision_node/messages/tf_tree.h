@@ -23,6 +23,7 @@ struct TfError : std::runtime_error {
 ///
 /// Samples that arrive before the chain to the world is known are kept (the newest kKept of each edge) and
 /// handed out in arrival order once it is. Not covered, and refused: two or more moving edges on one chain.
+/// What is wrong with frames on no followed chain does not matter, as for any other listener of tf.
 /// No ROS types, no clock; frames are named without a leading slash.
 class TfTree {
  public:
@@ -39,9 +40,10 @@ class TfTree {
   /// From now on, `object` follows `frame`.
   void follow(int object, const std::string& frame);
 
-  /// One transform parent <- child. Throws TfError: a child gets another parent; a bad static transform; a
-  /// followed frame has no moving edge, or more than one, between it and the world. After a throw the tree is
-  /// still usable.
+  /// One transform parent <- child. Throws TfError when this concerns a followed frame: a frame between it
+  /// and the world gets another parent (the first one stands), is sent both as static and as moving, is its
+  /// own parent, or has a bad static transform; or the chain has no moving edge, or more than one. After a
+  /// throw the tree is still usable.
   void add(const std::string& parent, const std::string& child, Nanoseconds stamp_ns, const Pose& pose,
            bool is_static);
 
@@ -71,6 +73,10 @@ class TfTree {
     std::string moving;             // the child of the one moving edge
   };
 
+  void addStatic(const std::string& parent, const std::string& child, const Pose& pose);
+  void addMoving(const std::string& parent, const std::string& child, const Sample& sample);
+  void refuse(const std::string& child, const std::string& fault);
+  void checkConflicts(const std::vector<std::string>& chain, std::size_t count) const;
   bool resolve(Follower& follower) const;
   void resolveAll();
   void emit(const Follower& follower, const Sample& sample) const;
@@ -79,6 +85,7 @@ class TfTree {
   std::string world_;
   Sink sink_;
   std::map<std::string, Edge> edges_;
+  std::map<std::string, std::string> conflicts_;  // by child: why the edge above it cannot be trusted
   std::vector<Follower> followers_;
 };
 

@@ -114,11 +114,49 @@ TEST(TfTree, refusesWhatIsNoTree) {
   t.tf.add("world", "a", 1, shift(1), false);
   EXPECT_THROW(t.tf.add("map", "a", 2, shift(1), false), TfError);
   EXPECT_THROW(t.tf.add("world", "a", 2, shift(1), true), TfError);
-  EXPECT_THROW(t.tf.add("b", "b", 2, shift(1), false), TfError);
-  EXPECT_THROW(t.tf.add("world", "c", 0, {Vec3::Zero(), Quat(2, 0, 0, 0)}, true), TfError);
+  EXPECT_THROW(t.tf.add("a", "a", 2, shift(1), false), TfError);
+  Tree c;
+  c.tf.follow(0, "c");
+  EXPECT_THROW(c.tf.add("world", "c", 0, {Vec3::Zero(), Quat(2, 0, 0, 0)}, true), TfError);
   Tree u;
   u.tf.follow(0, "wall");
   EXPECT_THROW(u.tf.add("world", "wall", 0, shift(1), true), TfError) << "a frame that never moves";
+}
+
+TEST(TfTree, faultsOfOtherFramesDoNotMatter) {
+  Tree t;
+  t.tf.follow(0, "tool");
+  t.tf.add("world", "cup", 1, shift(1), false);
+  t.tf.add("hand", "cup", 2, shift(1), false);  // grasped: another parent
+  t.tf.add("world", "cup", 3, shift(1), true);  // both kinds
+  t.tf.add("dog", "dog", 4, shift(1), false);   // its own parent
+  t.tf.add("world", "cat", 0, {Vec3::Zero(), Quat(2, 0, 0, 0)}, true);
+  t.tf.add("base", "tool", 0, shift(1), true);
+  t.tf.add("world", "base", 5, shift(2), false);
+  t.tf.add("hand", "cup", 6, shift(1), false);
+  ASSERT_EQ(t.out.size(), 1u);
+  EXPECT_EQ(t.out[0].second.pose.position, Vec3(3, 0, 0));
+}
+
+TEST(TfTree, aFaultMattersWhenTheChainComesToRunThroughIt) {
+  Tree t;
+  t.tf.follow(0, "tool");
+  t.tf.add("world", "base", 1, shift(1), false);
+  t.tf.add("map", "base", 2, shift(1), false);  // nobody knows yet that tool hangs on base
+  try {
+    t.tf.add("base", "tool", 0, shift(1), true);
+    FAIL() << "a frame with two parents was followed";
+  } catch (const TfError& error) {
+    EXPECT_NE(std::string(error.what()).find("'base' had the parent 'world'"), std::string::npos)
+        << error.what();
+  }
+  Tree u;
+  u.tf.follow(0, "tool");
+  u.tf.add("world", "arm", 0, {Vec3::Zero(), Quat(2, 0, 0, 0)}, true);
+  EXPECT_THROW(u.tf.add("arm", "tool", 1, shift(1), false), TfError);
+  u.tf.add("world", "arm", 0, shift(5), true);  // sent again, and good
+  ASSERT_EQ(u.out.size(), 1u);
+  EXPECT_EQ(u.out[0].second.pose.position, Vec3(6, 0, 0));
 }
 
 }  // namespace
