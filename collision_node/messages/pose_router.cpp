@@ -20,7 +20,11 @@ bool isTf(const std::string& topic) { return topic == kTf || topic == kTfStatic;
 }  // namespace
 
 PoseRouter::PoseRouter(std::shared_ptr<const scene::Scene> scene, const ResolveTopic& resolve, Sink sink)
-    : scene_(std::move(scene)), sink_(std::move(sink)), tf_(withoutSlash(scene_->world_frame), sink_) {
+    : scene_(std::move(scene)),
+      sink_(std::move(sink)),
+      tf_(withoutSlash(scene_->world_frame),
+          [this](int object, const motion::StampedPose& pose) { deliver(kTf, object, pose); }),
+      topic_of_(scene_->objects.size()) {
   for (std::size_t i = 0; i < scene_->objects.size(); ++i) {
     const scene::Object& object = scene_->objects[i];
     const int index = static_cast<int>(i);
@@ -43,6 +47,7 @@ PoseRouter::PoseRouter(std::shared_ptr<const scene::Scene> scene, const ResolveT
         if (isTf(topic))
           throw PoseError("object '" + object.name + "': topic " + topic + " is read by pose: {tf: frame}");
         objects_of_[topic].push_back(index);
+        topic_of_[i] = topic;
         break;
       }
     }
@@ -75,18 +80,39 @@ void PoseRouter::checkType(const std::string& topic, const std::string& datatype
   }
 }
 
+std::uint64_t PoseRouter::refused() const {
+  std::uint64_t sum = 0;
+  for (const auto& entry : faults_) sum += entry.second.refused;
+  return sum;
+}
+
+void PoseRouter::deliver(const std::string& topic, int object, const motion::StampedPose& pose) {
+  motion::StampedPose checked = pose;
+  if (motion::checkAndNormalise(checked) != motion::PoseFault::kNone) ++faults_[topic].rejected;
+  sink_(object, pose);
+}
+
 void PoseRouter::handle(const std::string& topic, const RawMessage& message) {
-  if (isTf(topic)) {
-    handleTf(topic, message);
-    return;
+  try {
+    if (isTf(topic))
+      handleTf(topic, message);
+    else
+      handlePoses(topic, message);
+  } catch (const PoseError& error) {
+    TopicFaults& faults = faults_[topic];
+    if (faults.refused++ == 0) faults.first_refusal = error.what();
+    throw;
   }
+}
+
+void PoseRouter::handlePoses(const std::string& topic, const RawMessage& message) {
   const auto found = objects_of_.find(topic);
   if (found == objects_of_.end()) return;
   std::string fault;
   for (const int index : found->second) {
     const scene::Object& object = scene_->objects[static_cast<std::size_t>(index)];
     try {
-      sink_(index, readPose(message, object.source, scene_->world_frame));
+      deliver(topic, index, readPose(message, object.source, scene_->world_frame));
     } catch (const PoseError& error) {
       if (fault.empty()) fault = "topic " + topic + " (object '" + object.name + "'): " + error.what();
     }
@@ -96,6 +122,7 @@ void PoseRouter::handle(const std::string& topic, const RawMessage& message) {
 
 void PoseRouter::handleTf(const std::string& topic, const RawMessage& message) {
   checkType(topic, message.datatype, message.md5sum);
+  checkArray(message, 0, ros::serialization::serializationLength(geometry_msgs::TransformStamped()));
   const auto transforms = deserialise<tf2_msgs::TFMessage>(message);
   std::string fault;
   for (const auto& transform : transforms.transforms) {
