@@ -1,12 +1,13 @@
 #include "collision_node/messages/resources.h"
 
-#include <ros/package.h>
+#include <rospack/rospack.h>
 
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace collision_node::messages {
 
@@ -27,6 +28,18 @@ std::string enclosingPackage(const fs::path& start, const std::string& package) 
   return "";
 }
 
+/// The folder of an installed or checked-out package; "" when there is none. Quiet, unlike ros::package,
+/// which prints lines of its own.
+std::string findPackage(const std::string& package) {
+  rospack::Rospack finder;
+  finder.setQuiet(true);
+  std::vector<std::string> places;
+  std::string folder;
+  if (!finder.getSearchPathFromEnv(places)) return "";
+  finder.crawl(places, false);
+  return finder.find(package, folder) ? folder : "";
+}
+
 }  // namespace
 
 scene::Resources makeResources(const std::string& scene_file,
@@ -36,7 +49,7 @@ scene::Resources makeResources(const std::string& scene_file,
   const fs::path folder = fs::absolute(scene_file, ignored).parent_path();
   resources.package_path = [folder](const std::string& package) {
     const std::string enclosing = enclosingPackage(folder, package);
-    return enclosing.empty() ? ros::package::getPath(package) : enclosing;
+    return enclosing.empty() ? findPackage(package) : enclosing;
   };
   resources.parameter = parameter ? std::move(parameter) : [](const std::string& name) -> std::string {
     throw std::runtime_error("parameter '" + name +
