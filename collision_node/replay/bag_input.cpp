@@ -1,10 +1,11 @@
 #include "collision_node/replay/bag_input.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <set>
+#include <stdexcept>
 
 #include "collision_node/messages/convert.h"
 #include "collision_node/messages/event_text.h"
@@ -20,22 +21,36 @@ std::unique_ptr<rosbag::Bag> openBag(const std::string& file) {
   if (!fs::exists(file, ignored)) throw InputError(file + ": no such bag");
   if (!fs::is_regular_file(file, ignored)) throw InputError(file + ": is not a file; a bag is expected");
   if (fs::file_size(file, ignored) == 0) throw InputError(file + ": is empty (0 bytes); a bag is expected");
-  char start[8] = {};
-  std::ifstream(file, std::ios::binary).read(start, 7);
-  if (std::string(start) != "#ROSBAG")
-    throw InputError(file + ": is not a bag (does not start with #ROSBAG)");
+  std::string start(13, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(in.gcount()));
+  if (start.rfind("#ROSBAG", 0) != 0) throw InputError(file + ": is not a bag (does not start with #ROSBAG)");
+  const std::string version = start.substr(7, start.find('\n') - 7);
+  if (version != " V2.0")
+    throw InputError(file + ": is a bag of version" + version +
+                     "; V2.0 is read: `rosbag reindex` and `rosbag fix` make one of an older bag, on a copy");
   try {
     return std::make_unique<rosbag::Bag>(file, rosbag::bagmode::Read);
   } catch (const rosbag::BagUnindexedException&) {
     throw InputError(file +
                      ": has no index (its recording was never closed): run `rosbag reindex` on a copy of it");
-  } catch (const rosbag::BagException& error) {
+  } catch (const std::exception& error) {  // damage makes rosbag throw more than its own
     throw InputError(file + ": is cut short or damaged (" + error.what() +
                      "): run `rosbag reindex` on a copy of it to save what is left");
   }
 }
 
+const char* const kTfStatic = "/tf_static";
+
+/// A length that no pose message has. rosbag trusts the length it reads from a damaged bag.
+constexpr std::uint32_t kLargestMessage = 16 * 1024 * 1024;
+
 void fillBytes(const rosbag::MessageInstance& message, std::vector<std::uint8_t>& bytes) {
+  if (message.size() > kLargestMessage)
+    throw std::length_error("a message on " + message.getTopic() + " claims " +
+                            std::to_string(message.size()) + " bytes, at most " +
+                            std::to_string(kLargestMessage) + " are read");
   bytes.resize(message.size());
   ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   message.write(stream);
@@ -82,7 +97,7 @@ void BagInput::check(const messages::PoseRouter& router, const scene::Scene& sce
   }
   std::vector<std::string> missing, held;
   for (const auto& topic : router.topics())
-    if (topic != "/tf_static" && present.count(topic) == 0) missing.push_back(topic);
+    if (topic != kTfStatic && present.count(topic) == 0) missing.push_back(topic);
   for (const auto& entry : present) held.push_back(entry.first + " (" + entry.second->datatype + ")");
   if (!missing.empty())
     fault(list(files_) + ": lacks " + list(missing) + ", which the scene " + scene.file + " names; it has " +
@@ -95,50 +110,76 @@ void BagInput::checkTf(const scene::Scene& scene) const {
   messages::PoseRouter probe(
       std::make_shared<scene::Scene>(scene), [](const std::string& topic) { return topic; },
       [](int, const motion::StampedPose&) {});
-  // Damage is met again, and told, when the poses are read.
+  // Damage and messages that cannot be used are met again, and told, when the poses are read.
   std::string fault;
-  forEach({"/tf", "/tf_static"}, {}, {},
-          [&](const rosbag::MessageInstance& m, const messages::RawMessage& raw) {
-            try {
-              probe.handle(m.getTopic(), raw);
-            } catch (const messages::PoseError& error) {
-              if (fault.empty()) fault = error.what();
-            }
-          });
-  if (!fault.empty()) throw InputError(list(files_) + ": " + fault);
-  if (!probe.tf().unresolved().empty())
-    throw InputError(list(files_) + ": tf never connects '" + list(probe.tf().unresolved()) +
-                     "' to world_frame '" + scene.world_frame +
-                     "'; tf frames here: " + list(probe.tf().frames()));
+  forEach({"/tf", kTfStatic}, {}, {}, [&](const rosbag::MessageInstance& m, const messages::RawMessage& raw) {
+    try {
+      probe.handle(m.getTopic(), raw);
+    } catch (const messages::PoseError& error) {
+      if (fault.empty()) fault = error.what();
+    }
+  });
+  if (probe.tf().unresolved().empty()) return;
+  throw InputError(list(files_) + ": tf never says where '" + list(probe.tf().unresolved()) +
+                   "' is in world_frame '" + scene.world_frame + "'" +
+                   (fault.empty() ? "" : " (" + fault + ")") +
+                   "; tf frames here: " + list(probe.tf().frames()));
+}
+
+ros::Time BagInput::at(double seconds) const {
+  return messages::toTime(messages::toNanoseconds(begin_) + std::llround(seconds * 1e9));
 }
 
 BagInput::Summary BagInput::forEach(
     const std::vector<std::string>& topics, std::optional<double> from, std::optional<double> to,
     const std::function<void(const rosbag::MessageInstance&, const messages::RawMessage&)>& visit) const {
-  const ros::Time start = from ? begin_ + ros::Duration(*from) : ros::TIME_MIN;
-  const ros::Time stop = to ? begin_ + ros::Duration(*to) : ros::TIME_MAX;
+  const ros::Time start = from ? at(*from) : ros::TIME_MIN;
+  const ros::Time stop = to ? at(*to) : ros::TIME_MAX;
+  std::vector<std::string> timed = topics;
+  const auto removed = std::remove(timed.begin(), timed.end(), kTfStatic);
+  const bool wants_static = removed != timed.end();
+  timed.erase(removed, timed.end());
   Summary summary;
-  std::vector<std::uint8_t> bytes;
   ros::Time last = start;
-  try {
-    rosbag::View view;
-    for (const auto& bag : bags_) view.addQuery(*bag, rosbag::TopicQuery(topics), start, stop);
-    for (auto message = view.begin(); message != view.end(); ++message) {
-      fillBytes(*message, bytes);
-      messages::RawMessage raw;
-      raw.datatype = message->getDataType();
-      raw.md5sum = message->getMD5Sum();
-      raw.data = bytes.data();
-      raw.size = static_cast<std::uint32_t>(bytes.size());
-      visit(*message, raw);
-      last = message->getTime();
-      ++summary.messages;
+  // Only what rosbag does is guarded: a fault of the visitor is no damage of the bag. Beside its own
+  // exceptions a damaged bag makes rosbag throw those of boost and the standard library.
+  const auto read = [&](const auto& step) {
+    try {
+      step();
+      return true;
+    } catch (const std::exception& error) {
+      summary.damage = list(files_) + ": damaged after receive time " +
+                       messages::secondsText(messages::toNanoseconds(last)) + " s (" + error.what() +
+                       "): the " + std::to_string(summary.messages) +
+                       " messages before it are used, the rest is not";
+      return false;
     }
-  } catch (const rosbag::BagException& error) {
-    summary.damage = list(files_) + ": damaged after receive time " +
-                     messages::secondsText(messages::toNanoseconds(last)) + " s (" + error.what() +
-                     "): the " + std::to_string(summary.messages) +
-                     " messages before it are used, the rest is not";
+  };
+  rosbag::View view;
+  rosbag::View::iterator message;
+  std::vector<std::uint8_t> bytes;
+  messages::RawMessage raw;
+  const auto open = [&] {
+    for (const auto& bag : bags_) {
+      view.addQuery(*bag, rosbag::TopicQuery(timed), start, stop);
+      if (wants_static) view.addQuery(*bag, rosbag::TopicQuery(kTfStatic), ros::TIME_MIN, stop);
+    }
+    message = view.begin();
+  };
+  const auto fill = [&] {
+    fillBytes(*message, bytes);
+    raw.datatype = message->getDataType();
+    raw.md5sum = message->getMD5Sum();
+    raw.data = bytes.data();
+    raw.size = static_cast<std::uint32_t>(bytes.size());
+  };
+  if (!read(open)) return summary;
+  while (message != view.end()) {
+    if (!read(fill)) break;
+    visit(*message, raw);
+    last = message->getTime();
+    ++summary.messages;
+    if (!read([&] { ++message; })) break;
   }
   return summary;
 }

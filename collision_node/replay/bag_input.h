@@ -22,8 +22,8 @@ class BagInput {
   explicit BagInput(const std::vector<std::string>& files);
 
   /// Throws InputError when a topic of the scene is in no bag (lists what they hold), carries another type
-  /// than a pose, or a tf frame of the scene is never connected to the world. Reads all of /tf when the scene
-  /// uses it.
+  /// than a pose, or tf never says where a frame of the scene is in the world. Reads all of /tf when the
+  /// scene uses it.
   void check(const messages::PoseRouter& router, const scene::Scene& scene) const;
 
   struct Summary {
@@ -31,14 +31,16 @@ class BagInput {
     std::string damage;  ///< "" or one line: which bag broke, where
   };
 
-  /// Calls `visit` for each message on the router's topics, in receive order. A damaged chunk ends the
-  /// reading and is told in the summary; what came before stands.
+  /// Calls `visit` for each message on `topics` between `from` and `to` [s] after begin(), in receive order;
+  /// of /tf_static whatever comes before `to`, since it is sent only once, at the start. A damaged chunk ends
+  /// the reading and is told in the summary; what came before stands.
   Summary forEach(
       const std::vector<std::string>& topics, std::optional<double> from, std::optional<double> to,
       const std::function<void(const rosbag::MessageInstance&, const messages::RawMessage&)>& visit) const;
 
   ros::Time begin() const { return begin_; }  ///< receive time of the first message of any topic
   ros::Time end() const { return end_; }
+  ros::Time at(double seconds) const;  ///< begin() and so many seconds
 
  private:
   void checkTf(const scene::Scene& scene) const;

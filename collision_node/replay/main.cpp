@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -11,7 +12,7 @@ int main(int argc, char** argv) {
   try {
     const replay::Options options = replay::parseOptions(std::vector<std::string>(argv + 1, argv + argc));
     return replay::run(options, std::cout, std::cerr, isatty(STDERR_FILENO) == 1);
-  } catch (const replay::InputError& error) {
+  } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return replay::kBadInput;
   }

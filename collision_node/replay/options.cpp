@@ -27,13 +27,19 @@ Exit code: 0 done, 2 bad input, 3 some query met its budget (its event says so).
 
 namespace {
 
+constexpr double kLongest = 1e9;  // [s], 31 years: the sum with any ROS time stays in 64 bits of nanoseconds
+
 double seconds(const std::string& option, const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !std::isfinite(value) || value < 0.0)
-    throw InputError(option + " '" + text + "': must be a number of seconds >= 0 after the first message");
+  if (text.empty() || *end != '\0' || !(value >= 0.0 && value <= kLongest))
+    throw InputError(option + " '" + text +
+                     "': must be a number of seconds from 0 to 1e9 after the first message");
   return value;
 }
+
+/// Standard output by another name; opened a second time it would be written over itself.
+std::string fileName(const std::string& text) { return text == "/dev/stdout" ? "-" : text; }
 
 int count(const std::string& option, const std::string& text) {
   char* end = nullptr;
@@ -69,11 +75,11 @@ Options parseOptions(const std::vector<std::string>& arguments) {
       return true;
     };
     if (name == "--jsonl") {
-      out.jsonl = value();
+      out.jsonl = fileName(value());
     } else if (name == "--csv") {
-      out.csv = value();
+      out.csv = fileName(value());
     } else if (name == "--out") {
-      out.out = value();
+      out.out = fileName(value());
     } else if (name == "--from") {
       out.from = seconds(name, value());
     } else if (name == "--to") {

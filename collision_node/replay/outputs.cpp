@@ -3,9 +3,8 @@
 #include <std_msgs/String.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 
 #include "collision_node/messages/convert.h"
 #include "collision_node/messages/event_text.h"
@@ -14,7 +13,6 @@ namespace collision_node::replay {
 
 namespace {
 
-namespace fs = std::filesystem;
 using messages::toMessage;
 
 const char* const kImpacts = "/collision_node/impacts";
@@ -34,18 +32,17 @@ boost::shared_ptr<ros::M_string> latchedHeader(const std::string& topic) {
   return header;
 }
 
-std::unique_ptr<PendingFile> pending(const std::string& name, const Options& options) {
+std::unique_ptr<PendingFile> pending(const std::string& name, const Options& options,
+                                     const std::vector<const PendingFile*>& others) {
   if (name.empty() || name == "-") return nullptr;
-  std::error_code ignored;
-  for (const auto& bag : options.bags)
-    if (fs::equivalent(bag, name, ignored))
-      throw InputError(name + ": is an input; results need another name");
-  return std::make_unique<PendingFile>(name);
+  std::vector<std::string> inputs = options.bags;
+  inputs.push_back(options.scene);
+  return std::make_unique<PendingFile>(name, inputs, others);
 }
 
 void openText(std::ofstream& stream, const PendingFile* file) {
   if (file == nullptr) return;
-  stream.open(file->path(), std::ios::binary | std::ios::trunc);
+  stream.open(file->path(), std::ios::binary | (file->isStream() ? std::ios::app : std::ios::trunc));
   if (!stream) throw InputError(file->path() + ": cannot be written");
 }
 
@@ -65,37 +62,21 @@ std::string sideText(const scene::EventSide& side) {
 
 }  // namespace
 
-PendingFile::PendingFile(std::string name) : name_(std::move(name)), part_(name_ + ".part") {
-  std::error_code ignored;
-  if (fs::is_directory(name_, ignored)) throw InputError(name_ + ": is a folder; a file name is expected");
-  const fs::path folder = fs::path(name_).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, ignored))
-    throw InputError(name_ + ": its folder " + folder.string() + " does not exist");
-}
-
-PendingFile::~PendingFile() {
-  std::error_code ignored;
-  fs::remove(part_, ignored);
-}
-
-void PendingFile::keep() {
-  std::error_code fault;
-  fs::rename(part_, name_, fault);
-  if (fault) throw InputError(name_ + ": cannot be written (" + fault.message() + ")");
-}
-
 Outputs::Outputs(const Options& options, std::shared_ptr<const scene::Scene> scene,
                  std::ostream& standard_output)
     : scene_(std::move(scene)),
       standard_output_(standard_output),
       table_(options.jsonl != "-" && options.csv != "-"),
       json_to_standard_output_(options.jsonl == "-"),
-      json_file_(pending(options.jsonl, options)),
-      csv_file_(pending(options.csv, options)),
-      bag_file_(pending(options.out, options)),
-      markers_(scene_) {
+      json_file_(pending(options.jsonl, options, {})),
+      csv_file_(pending(options.csv, options, {json_file_.get()})),
+      bag_file_(pending(options.out, options, {json_file_.get(), csv_file_.get()})),
+      markers_(scene_),
+      clock_(std::llround(scene_->time.jump * 1e9)) {
   if (options.csv == "-" || options.out == "-")
     throw InputError("--csv and --out need a file name; only --jsonl can go to standard output (-)");
+  if (bag_file_ && bag_file_->isStream())
+    throw InputError(options.out + ": is no regular file; a bag is written back and forth and needs one");
   openText(json_, json_file_.get());
   openText(csv_, csv_file_.get());
   if (csv_file_) csv_ << messages::csvHeader() << '\n';
@@ -120,19 +101,15 @@ void Outputs::begin(const ros::Time& first_receive_time, const std::string& plan
 
 void Outputs::input(const rosbag::MessageInstance& message) {
   if (!bag_file_) return;
-  bag_.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());
+  bag_.write(message.getTopic(), std::max(message.getTime(), first_), message, message.getConnectionHeader());
 }
 
 void Outputs::poseSeen(const ros::Time& received, motion::Nanoseconds stamp_ns) {
-  // Transport delay wobbles; only a jump of the stamps themselves (another epoch) moves the events elsewhere.
-  const auto offset = messages::toNanoseconds(received) - stamp_ns;
-  if (has_offset_ && std::abs(motion::secondsBetween(offset_ns_, offset)) <= scene_->time.jump) return;
-  offset_ns_ = offset;
-  has_offset_ = true;
+  clock_.poseSeen(messages::toNanoseconds(received), stamp_ns);
 }
 
-ros::Time Outputs::receiveTime(motion::Nanoseconds stamp_ns) const {
-  return std::max(messages::toTime(stamp_ns + offset_ns_), first_);
+ros::Time Outputs::receiveTime(std::uint32_t epoch, motion::Nanoseconds stamp_ns) {
+  return std::max(messages::toTime(clock_.at(epoch, stamp_ns)), first_);
 }
 
 void Outputs::event(const scene::Event& event) {
@@ -142,13 +119,14 @@ void Outputs::event(const scene::Event& event) {
   if (json_file_) json_ << messages::toJson(event, scene_->world_frame) << '\n';
   if (csv_file_) csv_ << messages::toCsv(event, scene_->world_frame) << '\n';
   if (!bag_file_) return;
-  const ros::Time time = receiveTime(event.stamp_ns);
+  const ros::Time time = receiveTime(event.epoch, event.stamp_ns);
   bag_.write(kImpacts, time, toMessage(event, scene_->world_frame));
   bag_.write(kMarkers, time, markers_.event(event));
 }
 
 void Outputs::stats(const scene::Stats& stats) {
-  if (bag_file_) bag_.write(kStats, receiveTime(stats.stamp_ns), toMessage(stats, scene_->world_frame));
+  if (bag_file_)
+    bag_.write(kStats, receiveTime(stats.epoch, stats.stamp_ns), toMessage(stats, scene_->world_frame));
 }
 
 void Outputs::row(const scene::Event& event) {

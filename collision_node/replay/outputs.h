@@ -10,24 +10,11 @@
 
 #include "collision_node/messages/markers.h"
 #include "collision_node/replay/options.h"
+#include "collision_node/replay/pending_file.h"
+#include "collision_node/replay/receive_clock.h"
 #include "collision_node/scene/engine.h"
 
 namespace collision_node::replay {
-
-/// A text or bag file that appears under its name only when keep() is called; else it leaves no trace.
-class PendingFile {
- public:
-  explicit PendingFile(std::string name);
-  ~PendingFile();
-  PendingFile(const PendingFile&) = delete;
-  PendingFile& operator=(const PendingFile&) = delete;
-  const std::string& path() const { return part_; }
-  /// Throws InputError when the file cannot get its name.
-  void keep();
-
- private:
-  std::string name_, part_;
-};
 
 /// The table, JSON lines, CSV and the result bag, as `options` asks.
 class Outputs {
@@ -35,7 +22,8 @@ class Outputs {
   /// Throws InputError: a file that cannot be written, or that is one of the inputs.
   Outputs(const Options& options, std::shared_ptr<const scene::Scene> scene, std::ostream& standard_output);
 
-  /// The head of the result bag: plan (latched), cleared markers, fixed objects.
+  /// The head of the result bag: plan (latched), cleared markers, fixed objects. What was received before
+  /// `first_receive_time` is written as if it came then.
   void begin(const ros::Time& first_receive_time, const std::string& plan);
   /// Copies an input message into the result bag. `stamp_ns`: of a pose in it, if it has one; keeps the
   /// distance between stamps and receive times, by which events are placed among the inputs.
@@ -49,7 +37,7 @@ class Outputs {
   std::uint64_t events() const { return events_; }
 
  private:
-  ros::Time receiveTime(motion::Nanoseconds stamp_ns) const;
+  ros::Time receiveTime(std::uint32_t epoch, motion::Nanoseconds stamp_ns);
   void row(const scene::Event& event);
 
   std::shared_ptr<const scene::Scene> scene_;
@@ -60,8 +48,7 @@ class Outputs {
   rosbag::Bag bag_;
   messages::Markers markers_;
   ros::Time first_;
-  motion::Nanoseconds offset_ns_ = 0;  // receive time minus stamp
-  bool has_offset_ = false;
+  ReceiveClock clock_;
   std::uint64_t events_ = 0;
 };
 

@@ -10,11 +10,11 @@ constexpr int kWidth = 50;
 }
 
 Progress::Progress(std::ostream& err, bool show, const ros::Time& begin, const ros::Time& end)
-    : err_(err), show_(show), begin_(begin), length_((end - begin).toSec()) {}
+    : err_(err), show_(show), begin_(begin.toSec()), length_(end.toSec() - begin_) {}
 
 void Progress::at(const ros::Time& now) {
   if (!show_ || !(length_ > 0.0)) return;
-  const int per_cent = std::clamp(static_cast<int>(100.0 * (now - begin_).toSec() / length_), 0, 100);
+  const int per_cent = std::clamp(static_cast<int>(100.0 * (now.toSec() - begin_) / length_), 0, 100);
   if (per_cent == shown_) return;
   shown_ = per_cent;
   const auto done = static_cast<std::size_t>(per_cent * kWidth / 100);

@@ -17,8 +17,7 @@ class Progress {
  private:
   std::ostream& err_;
   bool show_;
-  ros::Time begin_;
-  double length_;
+  double begin_, length_;  // [s]; a damaged bag may hold times that ros::Duration refuses
   int shown_ = -1;
 };
 

@@ -65,13 +65,13 @@ class Run {
       budget_met_ = budget_met_ || event.reason == impact::Reason::kBudget;
       outputs_->event(event);
     };
-    sinks.stats = [this](const scene::Stats& stats) { heartbeat(stats); };
+    sinks.stats = [this](const scene::Stats& stats) { heartbeat(withRefused(stats)); };
     engine_ = std::make_unique<scene::Engine>(scene_, options.method, sinks);
   }
 
   int run(const std::string& plan, bool show_progress) {
     const auto start = Clock::now();
-    outputs_->begin(input_.begin(), plan);
+    outputs_->begin(input_.at(options_.from.value_or(0.0)), plan);
     Progress progress(err_, show_progress, input_.begin(), input_.end());
     const auto summary =
         input_.forEach(router_.topics(), options_.from, options_.to,
@@ -79,14 +79,20 @@ class Run {
                          now_ = m.getTime();
                          progress.at(now_);
                          outputs_->input(m);
-                         router_.handle(m.getTopic(), raw);
+                         try {
+                           router_.handle(m.getTopic(), raw);
+                         } catch (const messages::PoseError&) {
+                           // Counted by the router and told at the end; the rest of the bag is good.
+                         }
                        });
     engine_->flush();
     progress.finish();
-    const scene::Stats last = engine_->stats();
+    checkRefusals();
+    const scene::Stats last = withRefused(engine_->stats());
     budget_met_ = budget_met_ || last.budget_met > 0;
     outputs_->end();
     if (options_.jsonl != "-") printSummary(out_, outputs_->events(), last, silentObjects());
+    printFaults();
     if (options_.timing)
       err_ << summary.messages << " messages in "
            << std::chrono::duration<double>(Clock::now() - start).count() << " s\n";
@@ -104,6 +110,34 @@ class Run {
       if (!heard_[i] && scene_->objects[i].source.type != scene::PoseSource::Type::kFixed)
         out += " " + scene_->objects[i].name;
     return out;
+  }
+
+  /// Throws InputError when all that an object was sent had to be refused: that is no recording of this
+  /// scene.
+  void checkRefusals() const {
+    for (std::size_t i = 0; i < heard_.size(); ++i) {
+      const auto found = router_.faults().find(router_.topicOf(static_cast<int>(i)));
+      if (!heard_[i] && found != router_.faults().end() && found->second.refused > 0)
+        throw InputError(found->second.first_refusal + "; " + std::to_string(found->second.refused) +
+                         " messages there cannot be used, and no other tells where '" +
+                         scene_->objects[i].name + "' is");
+    }
+  }
+
+  void printFaults() const {
+    for (const auto& [topic, faults] : router_.faults()) {
+      if (faults.refused > 0)
+        err_ << "warning: " << faults.refused << (faults.refused == 1 ? " message" : " messages") << " on "
+             << topic << " refused; the first: " << faults.first_refusal << '\n';
+      if (faults.rejected > 0)
+        err_ << "warning: " << faults.rejected << (faults.rejected == 1 ? " pose" : " poses") << " on "
+             << topic << " rejected: not finite, or no unit quaternion\n";
+    }
+  }
+
+  scene::Stats withRefused(scene::Stats stats) const {
+    stats.rejected += router_.refused();
+    return stats;
   }
 
   void heartbeat(scene::Stats stats) {

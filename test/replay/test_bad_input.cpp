@@ -1,11 +1,15 @@
 /// Every bad input: code 2, one clear line, no file. The executable itself, too.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Path.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <tf2_msgs/TFMessage.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 
 #include "test/replay/bags.h"
 
@@ -41,6 +45,20 @@ class BadInput : public testing::Test {
   std::string scene_, good_;
 };
 
+/// The program beside this test.
+Outcome executed(const std::string& arguments) {
+  const auto self = std::filesystem::read_symlink("/proc/self/exe");
+  const std::string command = "'" + (self.parent_path() / "replay").string() + "' " + arguments + " 2>&1";
+  Outcome outcome;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return outcome;
+  char buffer[4096];
+  while (const auto n = fread(buffer, 1, sizeof buffer, pipe)) outcome.out.append(buffer, n);
+  const int status = pclose(pipe);
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
 TEST_F(BadInput, absentScene) { expectLine({path("none.yaml"), good_}, {path("none.yaml")}); }
 
 TEST_F(BadInput, absentMesh) {
@@ -65,6 +83,65 @@ TEST_F(BadInput, emptyBag) {
 TEST_F(BadInput, notABag) {
   writeBytes(path("text.bag"), "objects:\n");
   expectLine({scene_, path("text.bag")}, {"text.bag", "#ROSBAG"});
+}
+
+TEST_F(BadInput, bagOfAnotherVersion) {
+  writeBytes(path("old.bag"), "#ROSBAG V1.2\n" + std::string(100, 'x'));
+  expectLine({scene_, path("old.bag")}, {"old.bag", "version V1.2", "V2.0", "rosbag fix"});
+}
+
+TEST_F(BadInput, aLengthThatNoMessageHas) {
+  {
+    rosbag::Bag bag(path("long.bag"), rosbag::bagmode::Write);
+    bag.setCompression(rosbag::compression::Uncompressed);
+    for (int i = 0; i < 60; ++i) bag.write("/ball/pose", ballPose(i).header.stamp, ballPose(i));
+  }
+  std::string bytes = bytesOf(path("long.bag"));
+  // A message's bytes begin with seq 0 and the stamp; its length stands before.
+  const auto stamp = ballPose(40).header.stamp;
+  std::string start(8, '\0');
+  std::memcpy(start.data(), &stamp.sec, 4);
+  std::memcpy(start.data() + 4, &stamp.nsec, 4);
+  std::size_t at = std::string::npos;
+  for (std::size_t from = bytes.find(start); from != std::string::npos; from = bytes.find(start, from + 1))
+    if (bytes.compare(from + 12, 5, "world") == 0) at = from - 8;
+  ASSERT_NE(at, std::string::npos);
+  const std::uint32_t length = 1'500'000'000;
+  std::memcpy(bytes.data() + at, &length, 4);
+  writeBytes(path("long.bag"), bytes);
+  const Outcome got =
+      executed("'" + scene_ + "' '" + path("long.bag") + "' --jsonl '" + path("kept.jsonl") + "'");
+  EXPECT_EQ(got.code, 2) << got.out;
+  EXPECT_NE(got.out.find("claims 1500000000 bytes"), std::string::npos) << got.out;
+  const std::string kept = bytesOf(path("kept.jsonl"));
+  EXPECT_EQ(std::count(kept.begin(), kept.end(), '\n'), 2) << "the events before the damage are kept";
+}
+
+TEST_F(BadInput, aTimeInTheIndexThatIsNone) {
+  std::string bytes = bytesOf(good_);
+  // The index of a chunk holds each message's receive time a second time: damage the last one's.
+  const auto stamp = ballPose(59).header.stamp;
+  std::string time(8, '\0');
+  std::memcpy(time.data(), &stamp.sec, 4);
+  std::memcpy(time.data() + 4, &stamp.nsec, 4);
+  int damaged = 0;
+  for (std::size_t at = bytes.find(time); at != std::string::npos; at = bytes.find(time, at + 1), ++damaged)
+    bytes[at + 3] = '\xff';
+  ASSERT_GT(damaged, 0);
+  writeBytes(path("time.bag"), bytes);
+  const Outcome got = executed("'" + scene_ + "' '" + path("time.bag") + "'");
+  EXPECT_NE(got.code, -1) << "killed by a signal: " << got.out;
+}
+
+TEST_F(BadInput, aPackageThatNobodyHas) {
+  const std::string scene =
+      folder_.write("package.yaml",
+                    "objects:\n  ball:\n    mesh: {file: package://no_such_package/a.stl}\n"
+                    "    pose: {topic: ball/pose}\n");
+  const Outcome got = executed("'" + scene + "' '" + good_ + "'");
+  EXPECT_EQ(got.code, 2);
+  EXPECT_EQ(std::count(got.out.begin(), got.out.end(), '\n'), 1) << got.out;
+  EXPECT_NE(got.out.find("no_such_package"), std::string::npos) << got.out;
 }
 
 TEST_F(BadInput, bagWithoutMessages) {
@@ -136,7 +213,57 @@ TEST_F(BadInput, outputsThatCannotBe) {
   EXPECT_EQ(replayed({scene_, good_, "--csv", "-"}).code, 2);
 }
 
+TEST_F(BadInput, resultsNeverReplaceAnInputNorEachOther) {
+  const std::string before = bytesOf(scene_);
+  for (const char* option : {"--jsonl", "--csv", "--out"}) {
+    const Outcome got = replayed({scene_, good_, option, scene_});
+    EXPECT_EQ(got.code, 2) << option;
+    EXPECT_NE(got.err.find("is an input"), std::string::npos) << got.err;
+    EXPECT_EQ(bytesOf(scene_), before) << option;
+  }
+  const std::string same = path("same");
+  for (const std::string& other : {same, same + ".part", folder_.path() + "/./same"}) {
+    const Outcome got = replayed({scene_, good_, "--jsonl", same, "--csv", other});
+    EXPECT_EQ(got.code, 2) << other;
+    EXPECT_EQ(std::count(got.err.begin(), got.err.end(), '\n'), 1) << got.err;
+    EXPECT_NE(got.err.find("file of its own"), std::string::npos) << got.err;
+    EXPECT_FALSE(std::filesystem::exists(same));
+    EXPECT_FALSE(std::filesystem::exists(other));
+  }
+  // The name that is written first may be an input, too.
+  std::filesystem::copy_file(good_, path("x.part"));
+  EXPECT_EQ(replayed({scene_, path("x.part"), "--jsonl", path("x")}).code, 2);
+  EXPECT_EQ(bytesOf(path("x.part")), bytesOf(good_));
+}
+
+TEST_F(BadInput, aPipeIsWrittenIntoAndStaysAPipe) {
+  const std::string pipe = path("pipe");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);  // its buffer holds the two events
+  ASSERT_GE(reader, 0);
+  EXPECT_EQ(replayed({scene_, good_, "--jsonl", pipe}).code, 0);
+  char bytes[65536];
+  const auto size = read(reader, bytes, sizeof bytes);
+  close(reader);
+  ASSERT_GT(size, 0);
+  EXPECT_EQ(std::count(bytes, bytes + size, '\n'), 2);
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_FALSE(std::filesystem::exists(pipe + ".part"));
+  EXPECT_EQ(replayed({scene_, good_, "--out", pipe}).code, 2) << "a bag cannot be written into a pipe";
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+}
+
+TEST_F(BadInput, aLinkStaysALink) {
+  writeBytes(path("target.csv"), "old");
+  std::filesystem::create_symlink(path("target.csv"), path("link.csv"));
+  EXPECT_EQ(replayed({scene_, good_, "--csv", path("link.csv")}).code, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(path("link.csv")));
+  EXPECT_NE(bytesOf(path("target.csv")), "old");
+}
+
 TEST_F(BadInput, badArguments) {
+  expectLine({scene_, good_, "--from", "1e12"}, {"--from", "1e12", "1e9"});
+  expectLine({scene_, good_, "--to", "5e9"}, {"--to", "5e9", "1e9"});
   expectLine({scene_, good_, "--method", "best"}, {"best", "certified", "paper_a"});
   expectLine({scene_, good_, "--form", "1"}, {"--form"});
   expectLine({scene_, good_, "--from", "soon"}, {"--from", "soon"});
@@ -168,20 +295,6 @@ TEST_F(BadInput, aDamagedChunkKeepsWhatCameBefore) {
   const std::string kept = bytesOf(path("kept.jsonl"));
   EXPECT_EQ(std::count(kept.begin(), kept.end(), '\n'), 2) << "the impact came before the damage";
   EXPECT_TRUE(std::filesystem::exists(path("kept.bag")));
-}
-
-/// The program beside this test.
-Outcome executed(const std::string& arguments) {
-  const auto self = std::filesystem::read_symlink("/proc/self/exe");
-  const std::string command = "'" + (self.parent_path() / "replay").string() + "' " + arguments + " 2>&1";
-  Outcome outcome;
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return outcome;
-  char buffer[4096];
-  while (const auto n = fread(buffer, 1, sizeof buffer, pipe)) outcome.out.append(buffer, n);
-  const int status = pclose(pipe);
-  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
 }
 
 TEST_F(BadInput, theProgramReturnsTheCode) {
