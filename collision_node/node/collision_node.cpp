@@ -1,7 +1,6 @@
 #include "collision_node/node/collision_node.h"
 
 #include <ros/console.h>
-#include <ros/this_node.h>
 #include <std_msgs/String.h>
 
 #include <utility>
@@ -9,6 +8,7 @@
 #include "collision_node/messages/convert.h"
 #include "collision_node/messages/event_text.h"
 #include "collision_node/messages/resources.h"
+#include "collision_node/node/diagnostics.h"
 
 namespace collision_node::node {
 
@@ -20,13 +20,6 @@ constexpr double kDiagnosticsPeriod = 1.0;  // [s] of wall time: a paused simula
 ros::NodeHandle on(ros::CallbackQueue& queue, ros::NodeHandle handle) {
   handle.setCallbackQueue(&queue);
   return handle;
-}
-
-diagnostic_msgs::KeyValue keyValue(const std::string& key, const std::string& value) {
-  diagnostic_msgs::KeyValue out;
-  out.key = key;
-  out.value = value;
-  return out;
 }
 
 }  // namespace
@@ -99,8 +92,6 @@ void CollisionNode::start(const Parameters& parameters, std::shared_ptr<const sc
   engine_ = std::move(engine);
   markers_ = std::move(markers);
   last_heartbeat_ = std::chrono::steady_clock::now();
-  refused_.clear();
-  last_refusal_.clear();
   std_msgs::String plan;
   plan.data = scene::planText(*scene_);
   plan_.publish(plan);
@@ -132,9 +123,7 @@ void CollisionNode::onMessage(const std::string& topic, const ros::MessageEvent<
   try {
     router_->handle(topic, raw);
   } catch (const messages::PoseError& error) {
-    ++refused_[topic];
-    last_refusal_ = error.what();
-    ROS_ERROR_STREAM_THROTTLE(5.0, last_refusal_);
+    ROS_ERROR_STREAM_THROTTLE(5.0, error.what());  // counted by the router
   }
 }
 
@@ -154,7 +143,13 @@ void CollisionNode::onEvent(scene::Event event) {
   if (markers_out_.getNumSubscribers() > 0) markers_out_.publish(markers_->event(event));
 }
 
+scene::Stats CollisionNode::withRefused(scene::Stats stats) const {
+  stats.rejected += router_->refused();
+  return stats;
+}
+
 void CollisionNode::onStats(scene::Stats stats) {
+  stats = withRefused(std::move(stats));
   stats.epoch += first_epoch_;
   epoch_ = stats.epoch;
   const auto now = std::chrono::steady_clock::now();
@@ -170,41 +165,20 @@ void CollisionNode::onMarkerSubscriber() {
 
 void CollisionNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
   if (diagnostics_.getNumSubscribers() == 0) return;
-  using Status = diagnostic_msgs::DiagnosticStatus;
-  const scene::Stats stats = engine_->stats();
-  Status status;
-  status.name = ros::this_node::getName().substr(1) + ": impacts";
-  status.hardware_id = "none";
-  status.level = Status::OK;
-  status.message = "watching";
-  const auto raise = [&](std::uint8_t level, const std::string& message) {
-    if (level <= status.level) return;
-    status.level = level;
-    status.message = message;
-  };
-  if (!refused_.empty()) raise(Status::ERROR, last_refusal_);
-  if (!stats.uncovered_objects.empty()) raise(Status::WARN, "no poses of " + stats.uncovered_objects.front());
-  if (stats.rejected > 0) raise(Status::WARN, "poses rejected: not finite, or no unit quaternion");
-  if (stats.late > 0) raise(Status::WARN, "poses dropped: later than time.reorder allows");
-
-  const auto add = [&](const std::string& key, const std::string& value) {
-    status.values.push_back(keyValue(key, value));
-  };
-  add("scene", scene_->file);
-  add("watermark", stats.has_watermark ? messages::secondsText(stats.watermark_ns) : "none yet");
-  add("epoch", std::to_string(epoch_));
-  add("events", std::to_string(events_));
-  add("accepted", std::to_string(stats.accepted));
-  add("reordered", std::to_string(stats.reordered));
-  add("late", std::to_string(stats.late));
-  add("duplicate", std::to_string(stats.duplicate));
-  add("rejected", std::to_string(stats.rejected));
-  for (const auto& name : stats.uncovered_objects) add("uncovered", name);
-  for (const auto& entry : refused_) add("refused on " + entry.first, std::to_string(entry.second));
+  Health health;
+  health.name = private_handle_.getNamespace();  // of the nodelet, not of its manager
+  health.scene = scene_->file;
+  health.epoch = epoch_;
+  health.events = events_;
+  health.stats = withRefused(engine_->stats());
+  health.faults = router_->faults();
+  for (const auto& subscriber : subscribers_)
+    if (subscriber.getTopic() != "/tf_static" && subscriber.getNumPublishers() == 0)
+      health.without_publisher.push_back(subscriber.getTopic());
 
   diagnostic_msgs::DiagnosticArray array;
   array.header.stamp = ros::Time::now();
-  array.status.push_back(status);
+  array.status.push_back(diagnose(health));
   diagnostics_.publish(array);
 }
 
@@ -227,7 +201,7 @@ bool CollisionNode::onReload(Trigger::Request&, Trigger::Response& response) {
   try {
     const Parameters parameters = readParameters(private_handle_);
     const auto scene = load(parameters);
-    engine_->flush();
+    engine_->reset();  // the new scene knows nothing of the contacts that are open: they end here
     const std::uint32_t last_epoch = epoch_;
     start(parameters, scene);
     first_epoch_ = epoch_ = last_epoch + 1;

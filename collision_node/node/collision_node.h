@@ -10,7 +10,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,6 +43,7 @@ class CollisionNode {
   void onMessage(const std::string& topic, const ros::MessageEvent<Raw const>& event);
   void watchClock();
   void onEvent(scene::Event event);
+  scene::Stats withRefused(scene::Stats stats) const;
   void onStats(scene::Stats stats);
   void onMarkerSubscriber();
   void onDiagnosticsTimer(const ros::WallTimerEvent&);
@@ -69,8 +69,6 @@ class CollisionNode {
   std::uint64_t events_ = 0;
   std::uint32_t epoch_ = 0,
                 first_epoch_ = 0;  // first_epoch_: a reloaded scene counts on, its engine starts at 0
-  std::map<std::string, std::uint64_t> refused_;  // by topic: messages that could not be used
-  std::string last_refusal_;
   std::unique_ptr<ros::AsyncSpinner> spinner_;  // last: stops before anything it uses is gone
 };
 

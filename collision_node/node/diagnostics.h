@@ -1,0 +1,31 @@
+/// The node's health, from facts: what /diagnostics says.
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticStatus.h>
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "collision_node/messages/pose_router.h"
+#include "collision_node/scene/engine.h"
+
+namespace collision_node::node {
+
+struct Health {
+  std::string name;   ///< of the node or nodelet, as a graph name
+  std::string scene;  ///< file
+  std::uint32_t epoch = 0;
+  std::uint64_t events = 0;
+  scene::Stats stats;
+  std::map<std::string, messages::TopicFaults> faults;  ///< by topic
+  std::vector<std::string> without_publisher;           ///< subscribed topics that nobody publishes
+};
+
+/// ERROR: messages that cannot be used. WARN: no pose has arrived at all, a topic without publisher, an
+/// object that is silent, poses rejected or late. OK: watching. The message names the first of them in that
+/// order.
+diagnostic_msgs::DiagnosticStatus diagnose(const Health& health);
+
+}  // namespace collision_node::node

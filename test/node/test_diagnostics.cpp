@@ -1,0 +1,67 @@
+/// What /diagnostics says of the node, without a master.
+#include <gtest/gtest.h>
+
+#include "collision_node/node/diagnostics.h"
+
+namespace collision_node::node {
+namespace {
+
+using Status = diagnostic_msgs::DiagnosticStatus;
+
+Health watching() {
+  Health health;
+  health.name = "/robot/impacts";
+  health.stats.accepted = 10;
+  health.stats.has_watermark = true;
+  return health;
+}
+
+std::string valueOf(const Status& status, const std::string& key) {
+  for (const auto& value : status.values)
+    if (value.key == key) return value.value;
+  return "absent";
+}
+
+TEST(Diagnostics, okWhileWatching) {
+  const Status status = diagnose(watching());
+  EXPECT_EQ(status.level, Status::OK);
+  EXPECT_EQ(status.message, "watching");
+  EXPECT_EQ(status.name, "robot/impacts: impacts");
+  EXPECT_EQ(valueOf(status, "accepted"), "10");
+}
+
+TEST(Diagnostics, warnsBeforeTheFirstPoseAndNamesWhatNobodyPublishes) {
+  Health health = watching();
+  health.stats = {};
+  EXPECT_EQ(diagnose(health).level, Status::WARN);
+  EXPECT_EQ(diagnose(health).message, "no pose has arrived yet");
+  health.without_publisher = {"/bal/pose"};
+  EXPECT_EQ(diagnose(health).message, "no pose has arrived yet: nobody publishes /bal/pose");
+  health.stats = watching().stats;
+  EXPECT_EQ(diagnose(health).message, "nobody publishes /bal/pose");
+}
+
+TEST(Diagnostics, refusedMessagesAreAnErrorAndCountedByTopic) {
+  Health health = watching();
+  health.stats.rejected = 5;
+  health.faults["/ball/pose"] = {3, "topic /ball/pose: header.frame_id is 'odom'", 0};
+  health.faults["/tf"] = {0, "", 2};
+  const Status status = diagnose(health);
+  EXPECT_EQ(status.level, Status::ERROR);
+  EXPECT_EQ(status.message, "topic /ball/pose: header.frame_id is 'odom'");
+  EXPECT_EQ(valueOf(status, "refused on /ball/pose"), "3");
+  EXPECT_EQ(valueOf(status, "rejected on /tf"), "2");
+  EXPECT_EQ(valueOf(status, "refused on /tf"), "absent");
+  EXPECT_EQ(valueOf(status, "rejected"), "5");
+}
+
+TEST(Diagnostics, warnsOfSilentObjectsAndLatePoses) {
+  Health health = watching();
+  health.stats.late = 1;
+  EXPECT_EQ(diagnose(health).level, Status::WARN);
+  health.stats.uncovered_objects = {"drone"};
+  EXPECT_EQ(diagnose(health).message, "no poses of drone");
+}
+
+}  // namespace
+}  // namespace collision_node::node
