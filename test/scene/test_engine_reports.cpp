@@ -177,6 +177,8 @@ TEST(EngineStats, APairThatSharedNoTimeIsUncoveredAndNotCulled) {
   rig.engine.addPose(0, poseAt(0, 0.0));
   rig.engine.addPose(1, poseAt(0, 0.0));
   rig.engine.flush();
+  ASSERT_EQ(rig.beats.size(), 1u);
+  EXPECT_EQ(rig.beats[0].pairs_uncovered, 1u);
   EXPECT_EQ(rig.engine.stats().pairs_uncovered, 1u);
   EXPECT_EQ(binsOf(rig.engine.stats()), 0u);
   rig.feedLine(0, 100, 1000, 100, 0.0, 0.0);
@@ -184,6 +186,17 @@ TEST(EngineStats, APairThatSharedNoTimeIsUncoveredAndNotCulled) {
   EXPECT_EQ(rig.engine.stats().pairs_uncovered, 1u);  // there was a heartbeat before
   rig.engine.flush();
   EXPECT_EQ(rig.engine.stats().pairs_uncovered, 0u);
+}
+
+TEST(EngineStats, AStaticTestCoversTheWholeEpochHoweverLateItComes) {
+  auto scene = sceneOf(
+      {movingSphere("absent"), movingSphere("ball"), fixedSphere("slab", 8.0), fixedSphere("wall", 10.0)});
+  scene->pairs = {{2, 0, 3, 0, 0.0}};
+  Rig rig(scene);
+  rig.feedLine(1, 0, 3000, 100, 50.0, 0.0);
+  ASSERT_EQ(rig.beats.size(), 2u);
+  EXPECT_EQ(rig.beats[0].pairs_uncovered, 1u);  // before the watermark
+  EXPECT_EQ(rig.beats[1].pairs_clear, 1u);
 }
 
 TEST(EngineStats, TheEndOfAnEpochIsNoHole) {
