@@ -2,6 +2,7 @@
 /// The player starts paused; this test lets it go when everybody is connected, so nothing is lost at the
 /// start.
 #include <diagnostic_msgs/DiagnosticArray.h>
+#include <geometry_msgs/PoseStamped.h>
 #include <gtest/gtest.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
@@ -198,6 +199,46 @@ TEST(Live, resetAndReload) {
   EXPECT_NE(refused.message.find("/none.yaml"), std::string::npos) << refused.message;
   ros::param::set(kNode + std::string("/scene"), scene);
   EXPECT_TRUE(call("/flush").success) << "the old scene goes on";
+}
+
+geometry_msgs::PoseStamped ballAt(double x, double seconds) {
+  geometry_msgs::PoseStamped pose;
+  pose.header.frame_id = "world";
+  pose.header.stamp = ros::Time(100.0 + seconds);
+  pose.pose.position.x = x;
+  pose.pose.orientation.w = 1.0;
+  return pose;
+}
+
+TEST(Live, reloadEndsTheContactsThatAreOpen) {
+  const test_support::TempFolder folder;
+  const std::string file =
+      folder.write("ball.yaml",
+                   "objects:\n  ball: {sphere: {radius: 0.1}, pose: {topic: live_test/ball}}\n"
+                   "  wall: {box: {size: [1, 9, 9]}, pose: {fixed: {}}}\n");
+  ros::NodeHandle handle;
+  std::vector<Impact> live;
+  const auto impacts = handle.subscribe<Impact>(kNode + std::string("/impacts"), 0,
+                                                [&](const Impact::ConstPtr& m) { live.push_back(*m); });
+  const auto ball = handle.advertise<geometry_msgs::PoseStamped>("/live_test/ball", 0);
+  std::string demo;
+  ASSERT_TRUE(ros::param::get(kNode + std::string("/scene"), demo));
+  ros::param::set(kNode + std::string("/scene"), file);
+  ASSERT_TRUE(call("/reload_scene").success);
+  ASSERT_TRUE(waitFor([&] { return ball.getNumSubscribers() == 1 && impacts.getNumPublishers() == 1; }));
+  for (int i = 0; i < 4; ++i) ball.publish(ballAt(1.2 - 0.4 * i, 0.1 * i));  // it ends inside the wall
+  ASSERT_TRUE(waitFor([&] {
+    call("/flush");
+    return !live.empty();
+  }));
+  ros::param::set(kNode + std::string("/scene"), demo);
+  EXPECT_TRUE(call("/reload_scene").success);
+  ASSERT_TRUE(waitFor([&] { return live.size() >= 2; })) << "the contact was forgotten";
+  EXPECT_EQ(live[0].kind, Impact::IMPACT);
+  EXPECT_EQ(live[1].kind, Impact::SEPARATION);
+  EXPECT_EQ(live[1].certificate, Impact::UNCERTIFIED);
+  EXPECT_EQ(live[1].reason, Impact::RESET);
+  EXPECT_EQ(live[1].contact_id, live[0].contact_id);
 }
 
 }  // namespace
