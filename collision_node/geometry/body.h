@@ -62,7 +62,9 @@ class Body {
   const std::vector<Vec3>& representatives() const { return representatives_; }
   double reach() const { return nodes_[0].reach; }  ///< >= distance of any point from the object's origin [m]
   Vec3 centre() const { return nodes_[0].centre; }  ///< of the bounding sphere
-  double radius() const { return radius_; }         ///< of the bounding sphere about centre() [m]
+  /// What placing the shapes in the object's frame rounded, for any point of the body [m].
+  double placingError() const { return placing_error_; }
+  double radius() const { return radius_; }  ///< of the bounding sphere about centre() [m]
 
  private:
   struct Triangle {
@@ -79,7 +81,7 @@ class Body {
   std::vector<BvhNode> nodes_;
   std::vector<SolidMesh> solids_;
   std::vector<Vec3> representatives_;
-  double radius_ = 0.0;
+  double radius_ = 0.0, placing_error_ = 0.0;
   std::int32_t triangle_count_ = 0;
 };
 

@@ -1,6 +1,8 @@
 /// The certified solver as a PairMethod: what happens on a piece is piece_run.h's; here are the ends of a
 /// pair's data.
-#include "collision_node/impact/contact_facts.h"
+#include <algorithm>
+
+#include "collision_node/impact/event_writer.h"
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/impact/piece_run.h"
 
@@ -22,49 +24,33 @@ class Certified : public PairMethod {
   }
 
   void finish(PairState& state, std::vector<PairEvent>& events) const override {
-    if (state.phase == Phase::kUndecided && !state.was_touching && !state.published) {
-      PairEvent event = state.pending;
-      const Piece& piece = state.last_piece;
-      const PairPiece pair(a_, b_, piece, options_.contact_distance);
-      const double duration = pair.motion.duration();
-      const ContactFacts facts = describeUnknown(pair, pair.at(duration), duration);
-      event.toi_upper = motion::secondsBetween(event.interval_start_ns, piece.end_ns);
-      if (event.kind == Kind::kInitialOverlap) event.toi_upper = event.toi_lower;
-      event.position = pair.motion.poseA(duration).position + facts.position;
-      event.position_error = facts.position_error;
-      event.normal = facts.normal;
-      event.normal_error = facts.normal_error;
-      event.relative_velocity = facts.relative_velocity;
-      event.closing_speed = facts.closing_speed;
-      event.a.point = facts.a.point;
-      event.b.point = facts.b.point;
-      event.certificate = Certificate::kPossible;
-      event.reason = Reason::kGrazing;
-      events.push_back(event);
-      state.published = true;
-    }
+    if (state.phase != Phase::kUndecided || state.was_touching || state.published) return;
+    const Piece& piece = state.last_piece;
+    const PairPiece pair(a_, b_, piece, options_.contact_distance);
+    Search search(pair, options_.node_budget);
+    EventWriter writer(pair, piece, options_, search);
+    PairEvent event = state.pending;
+    const double end = pair.motion.duration(), from = std::clamp(writer.localStart(event), 0.0, end);
+    writer.finishImpact(event, from, end, writer.anyNear(from, end), state, false);
+    if (event.kind == Kind::kInitialOverlap) event.toi_upper = event.toi_lower;
+    event.certificate = Certificate::kPossible;
+    event.reason = Reason::kGrazing;
+    events.push_back(event);
+    state.published = true;
   }
 
   void interrupt(PairState& state, Reason reason, std::vector<PairEvent>& events) const override {
     finish(state, events);
-    const bool in_contact =
-        state.phase == Phase::kTouching || (state.phase == Phase::kUndecided && state.was_touching);
-    if (in_contact) {
-      PairEvent event = state.contact;
+    if (state.phase == Phase::kTouching || (state.phase == Phase::kUndecided && state.was_touching)) {
       const Piece& piece = state.last_piece;
-      event.kind = Kind::kSeparation;
+      const PairPiece pair(a_, b_, piece, options_.contact_distance);
+      Search search(pair, options_.node_budget);
+      const EventWriter writer(pair, piece, options_, search);
+      const double end = pair.motion.duration();
+      PairEvent event = writer.stamped(Kind::kSeparation, end);
+      writer.fill(event, describeUnknown(pair, pair.at(end), 0.0), end, end);
       event.certificate = Certificate::kUncertified;
       event.reason = reason;
-      event.interval_start_ns = piece.start_ns;
-      event.interval_end_ns = piece.end_ns;
-      event.toi_lower = event.toi_upper = motion::secondsBetween(piece.start_ns, piece.end_ns);
-      const RelativeMotion m(piece.a, piece.b, piece.start_ns, piece.end_ns);
-      event.a.pose = m.poseA(event.toi_lower);
-      event.b.pose = m.poseB(event.toi_lower);
-      event.a.sample_before_ns = piece.a.start_ns;
-      event.a.sample_after_ns = piece.a.end_ns;
-      event.b.sample_before_ns = piece.b.start_ns;
-      event.b.sample_after_ns = piece.b.end_ns;
       events.push_back(event);
     }
     state = PairState();

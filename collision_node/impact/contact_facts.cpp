@@ -230,15 +230,15 @@ void addVelocities(const PairPiece& piece, const Instant& now, ContactFacts& f) 
   f.closing_speed = -f.relative_velocity.dot(f.normal);
 }
 
-/// What the world coordinates of a report add: A's origin is rounded to the grid of its own size.
-double worldRounding(const PairPiece& piece, const Instant& now) {
-  return 8.0 * kUnit * (piece.motion.poseA(now.t).position.norm() + piece.motion.maxDistance());
+/// What the world coordinates of a report add: A's origin is summed from terms of the world's size.
+double worldRounding(const PairPiece& piece) {
+  return 8.0 * kUnit * (piece.motion.worldScaleA() + piece.motion.maxDistance());
 }
 
 }  // namespace
 
 ContactFacts describeContact(const PairPiece& piece, const Instant& now, double span, ElementPair pair,
-                             double apart_at, double slid) {
+                             double apart_at, const Earlier& earlier) {
   ContactFacts f;
   const RelativeMotion& m = piece.motion;
   Vec3 buffer_a[3], buffer_b[3];
@@ -275,17 +275,17 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   if (radius == 0.0) axis.direction = bestNormal(piece, now, ea, eb, axis.direction, apart_at);
   const Vec3 n = axis.direction.normalized();
   const Vec3 e1 = n.unitOrthogonal(), e2 = n.cross(e1);
-  const double turned = (m.spinA() + m.spinB()) * span;
+  const double turned = (m.spinA() + m.spinB()) * span + earlier.angle;
   const double speed =
       m.velocity(now.t).norm() + span * m.maxAcceleration() + m.spinA() * reach_a + m.spinB() * reach_b;
-  const double moved = speed * span + slid + 2.0 * piece.point_error;
+  const double moved = speed * span + earlier.distance + 2.0 * piece.point_error;
 
   // Heights of the two support planes; where contact falls within the span, the gap between them is at most
   // `moved`.
   const double top_a = n.dot(cores.a.place(cores.a.supportLocal(n)));
   const double low_b = n.dot(cores.b.place(cores.b.supportLocal(-n)));
   const double gap = std::clamp(low_b - top_a, 0.0, radius + moved);
-  const double depth = moved + std::max(0.0, top_a - low_b);
+  const double depth = moved + std::max(0.0, radius - (low_b - top_a));
 
   // The normal.
   // At the touch n' . w >= radius for every core difference then, so n' . w >= radius - moved now, while n .
@@ -326,11 +326,10 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
                e1 * centre.x() + e2 * centre.y();
   const double lean = share * 2.0 * std::sin(0.5 * std::min(tilt, M_PI));
   // World position at the instant of contact: either body's own motion over the span, the smaller one.
-  const double own_a = (m.velocityA(now.t).norm() + m.spinA() * (reach_a + ea.radius)) * span;
-  const double own_b = (m.velocityB(now.t).norm() + m.spinB() * (reach_b + eb.radius)) * span;
-  const double own = std::min(own_a, own_b + moved) + m.maxAcceleration() * span * span + slid;
-  f.position_error =
-      std::hypot(disc, depth) + lean + own + 2.0 * piece.point_error + worldRounding(piece, now);
+  const double own_a = (m.ownSpeedA() + m.spinA() * (reach_a + ea.radius)) * span;
+  const double own_b = (m.ownSpeedB() + m.spinB() * (reach_b + eb.radius)) * span;
+  const double own = std::min(own_a, own_b + moved) + earlier.distance;
+  f.position_error = std::hypot(disc, depth) + lean + own + 2.0 * piece.point_error + worldRounding(piece);
   f.position_error *= 1.0 + 64.0 * kUnit;
 
   const double tolerance = moved + 1e-9 * (reach_a + reach_b);
@@ -344,9 +343,7 @@ ContactFacts describeUnknown(const PairPiece& piece, const Instant& now, double 
   ContactWitness witness;
   witness.point = now.ra * piece.a.centre();
   ContactFacts f = describeOverlap(piece, now, witness);
-  const RelativeMotion& m = piece.motion;
-  f.position_error += span * (m.maxSpeed() + m.velocityA(now.t).norm() + m.maxAcceleration() * span +
-                              m.spinA() * piece.a.reach());
+  f.position_error += span * (piece.any_speed + piece.speed);
   return f;
 }
 
@@ -360,7 +357,7 @@ ContactFacts describeOverlap(const PairPiece& piece, const Instant& now, const C
   const double from_a = (f.position - centre_a).norm() + piece.a.radius();
   const double from_b = (f.position - centre_b).norm() + piece.b.radius();
   f.position_error =
-      std::min(from_a, from_b) + piece.contact_distance + piece.point_error + worldRounding(piece, now);
+      std::min(from_a, from_b) + piece.contact_distance + piece.point_error + worldRounding(piece);
   if (witness.element_a >= 0) {
     Vec3 buffer_a[3], buffer_b[3];
     const Element ea = piece.a.element(witness.element_a, buffer_a),

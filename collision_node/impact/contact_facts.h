@@ -5,6 +5,12 @@
 
 namespace collision_node::impact {
 
+/// What may have happened since a bracket opened on an earlier piece.
+struct Earlier {
+  double distance = 0.0;  ///< [m] that any point may have moved, in the world or against the other body
+  double angle = 0.0;     ///< [rad] that both bodies may have turned, together
+};
+
 struct ContactFacts {
   Vec3 position = Vec3::Zero();           ///< world axes, relative to A's origin at the reference instant [m]
   double position_error = 0.0;            ///< [m] see describeContact()
@@ -20,11 +26,11 @@ struct ContactFacts {
 /// Guarantee: every point that the two elements share at the first (or last) instant of this contact, if that
 /// instant lies within `span` of now.t, is within position_error of `position` + A's origin at now.t (world);
 /// the common support plane there has its normal within normal_error of `normal`. Derivation: docs/solver.md,
-/// "The ball". `slid` [m] is what either body may have moved since a bracket that opened on an earlier piece.
+/// "The ball".
 /// `apart_at` [s] lies on the side in time on which the pair is apart: 0 for an impact, the piece's end for a
 /// separation.
 ContactFacts describeContact(const PairPiece& piece, const Instant& now, double span, ElementPair pair,
-                             double apart_at, double slid = 0.0);
+                             double apart_at, const Earlier& earlier = {});
 
 /// No pair is known (the budget ran out): a ball that holds all shared points within `span` of now.
 ContactFacts describeUnknown(const PairPiece& piece, const Instant& now, double span);

@@ -25,17 +25,20 @@ double EventWriter::localStart(const PairEvent& event) const {
   return event.toi_lower - motion::secondsBetween(event.interval_start_ns, piece_.start_ns);
 }
 
-double EventWriter::slidBefore(const PairEvent& event, double speed) const {
-  return std::max(0.0, -localStart(event)) * speed;
+Earlier EventWriter::earlierThan(const PairEvent& event, const PairState& state) const {
+  const double seconds = std::max(0.0, -localStart(event));
+  return {seconds * state.pending_speed, seconds * state.pending_spin};
 }
 
-void EventWriter::finishImpact(PairEvent& event, double lower, double upper, ElementPair pair, double speed) {
-  finish(event, {lower, upper, lower, 0.0, slidBefore(event, speed)}, pair);
+void EventWriter::finishImpact(PairEvent& event, double lower, double upper, ElementPair pair,
+                               const PairState& state, bool sure_of_pair) {
+  finish(event, {lower, upper, lower, 0.0, earlierThan(event, state), sure_of_pair}, pair);
 }
 
 void EventWriter::finishSeparation(PairEvent& event, double lower, double upper, ElementPair pair,
-                                   double speed) {
-  finish(event, {lower, upper, upper, pair_.motion.duration(), slidBefore(event, speed)}, pair);
+                                   const PairState& state, bool sure_of_pair) {
+  finish(event, {lower, upper, upper, pair_.motion.duration(), earlierThan(event, state), sure_of_pair},
+         pair);
 }
 
 void EventWriter::finish(PairEvent& event, const Bracket& bracket, ElementPair pair) {
@@ -44,11 +47,11 @@ void EventWriter::finish(PairEvent& event, const Bracket& bracket, ElementPair p
   event.multiple = false;
   ContactFacts facts;
   if (pair.a >= 0) {
-    facts = describeContact(pair_, now, span, pair, bracket.apart_at, bracket.slid);
+    facts = describeContact(pair_, now, span, pair, bracket.apart_at, bracket.earlier);
     joinNeighbours(event, facts, bracket, pair);
   } else {
     facts = describeUnknown(pair_, now, span);
-    facts.position_error += bracket.slid;
+    facts.position_error += 2.0 * bracket.earlier.distance;
   }
   fill(event, facts, bracket.reference, bracket.upper);
 }
@@ -59,17 +62,17 @@ void EventWriter::joinNeighbours(PairEvent& event, ContactFacts& facts, const Br
                                  ElementPair pair) {
   constexpr std::size_t kLimit = 48;
   const Instant now = pair_.at(bracket.reference);
-  for (const ElementPair& other : search_.nearPairs(bracket.lower, bracket.upper, kLimit)) {
+  const std::vector<ElementPair> near_pairs = search_.nearPairs(bracket.lower, bracket.upper, kLimit);
+  if (near_pairs.size() >= kLimit || search_.exhausted()) event.multiple = true;  // not all were looked at
+  for (const ElementPair& other : near_pairs) {
     if (other.a == pair.a && other.b == pair.b) continue;
     const ContactFacts near =
-        describeContact(pair_, now, bracket.upper - bracket.lower, other, bracket.apart_at, bracket.slid);
+        describeContact(pair_, now, bracket.upper - bracket.lower, other, bracket.apart_at, bracket.earlier);
     const double needed = (near.position - facts.position).norm() + near.position_error;
     if (needed <= facts.position_error) continue;
-    if (needed <= std::max(2.0 * facts.position_error, 0.5 * options_.distance_precision)) {
-      facts.position_error = needed * (1.0 + 16.0 * kUnit);
-    } else {
-      event.multiple = true;
-    }
+    const bool same_place = needed <= std::max(2.0 * facts.position_error, 0.5 * options_.distance_precision);
+    if (same_place || !bracket.sure_of_pair) facts.position_error = needed * (1.0 + 16.0 * kUnit);
+    if (!same_place) event.multiple = true;
   }
 }
 

@@ -19,11 +19,14 @@ class EventWriter {
   double localStart(const PairEvent& event) const;
 
   /// Closes an impact's bracket at `upper`; facts are taken at `lower`, before which the pair is apart.
-  /// `speed` [m/s] bounds the relative motion since a bracket that opened on an earlier piece.
-  void finishImpact(PairEvent& event, double lower, double upper, ElementPair pair, double speed);
+  /// `state` knows how fast things moved since a bracket that opened on an earlier piece. `sure_of_pair`: the
+  /// pair is known to touch; else the ball holds every pair that may.
+  void finishImpact(PairEvent& event, double lower, double upper, ElementPair pair, const PairState& state,
+                    bool sure_of_pair = true);
 
   /// Closes a separation's bracket at `upper`, where the facts are taken: the pair is apart from there on.
-  void finishSeparation(PairEvent& event, double lower, double upper, ElementPair pair, double speed);
+  void finishSeparation(PairEvent& event, double lower, double upper, ElementPair pair,
+                        const PairState& state, bool sure_of_pair = true);
 
   /// The bracket's end, and the facts, which hold at `reference`.
   void fill(PairEvent& event, const ContactFacts& facts, double reference, double upper) const;
@@ -35,12 +38,13 @@ class EventWriter {
   struct Bracket {
     double lower, upper, reference;
     double apart_at;  ///< on which side in time the pair is apart
-    double slid;      ///< [m] since the bracket opened on an earlier piece
+    Earlier earlier;
+    bool sure_of_pair;
   };
 
   void finish(PairEvent& event, const Bracket& bracket, ElementPair pair);
   void joinNeighbours(PairEvent& event, ContactFacts& facts, const Bracket& bracket, ElementPair pair);
-  double slidBefore(const PairEvent& event, double speed) const;
+  Earlier earlierThan(const PairEvent& event, const PairState& state) const;
 
   const PairPiece& pair_;
   const Piece& piece_;

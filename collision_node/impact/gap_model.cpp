@@ -252,6 +252,11 @@ double apartFor(const GapModel& model, double span, double* gap_now) {
       }
     }
   }
+  // A nearly linear model: every root found lies on the zero itself, where the last bit decides. Step inside.
+  for (const double inside : {1.0 - 1e-9, 1.0 - 1e-6, 1.0 - 1e-3, 0.5}) {
+    if (low > 0.5 * high) break;
+    if (model.at(high * inside).gap > 0.0) return high * inside;
+  }
   return low;
 }
 

@@ -97,7 +97,8 @@ struct PairState {
   bool published =
       false;          ///< kUndecided for so long that the bracket was published; it holds nothing up any more
   PairEvent pending;  ///< kUndecided: the bracket being searched, toi_lower is set
-  double pending_speed = 0.0;  ///< kUndecided: the largest relative speed since the bracket opened [m/s]
+  double pending_spin = 0.0;   ///< kUndecided: the largest sum of both spins since then [rad/s]
+  double pending_speed = 0.0;  ///< kUndecided: the largest speed of any point since the bracket opened [m/s]
   PairEvent contact;           ///< kTouching (and kUndecided from contact): the event that opened the contact
   Nanoseconds decided_ns = 0;  ///< everything up to here is decided
   Piece last_piece;            ///< the last piece advanced over

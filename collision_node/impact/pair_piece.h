@@ -37,6 +37,7 @@ struct PairPiece {
   double point_error;  ///< [m]
   double rate_error;   ///< [m/s]
   double frame_error;  ///< [m] the same for points seen in a rotating body's frame, however far away they are
+  double any_speed;    ///< sup of |velocity| of any material point, relative or in the world [m/s]
   double speed;        ///< sup of |relative velocity| of any material point of A and any of B [m/s]
 };
 

@@ -48,10 +48,8 @@ class Run {
     if (state_.phase == Phase::kNew) {
       start();
     } else if (state_.phase != Phase::kApart) {
-      state_.pending_speed = std::max(state_.pending_speed, pair_.speed);
-      // What was published is no longer waited for: a later answer begins with this piece.
-      if (state_.phase == Phase::kUndecided && state_.published)
-        state_.pending = writer_.stamped(state_.pending.kind, 0.0);
+      state_.pending_speed = std::max(state_.pending_speed, pair_.any_speed);
+      state_.pending_spin = std::max(state_.pending_spin, pair_.motion.spinA() + pair_.motion.spinB());
     }
     std::optional<ContactWitness> witness;
     if (start_witness_) witness = std::move(start_witness_);
@@ -61,6 +59,7 @@ class Run {
         break;
       }
       if (state_.phase == Phase::kApart) {
+        if (t >= end_) break;  // just proved
         const Search::First first = search_.firstPossible(t, end_, 0.1 * width_);
         if (!first.found) break;
         free_since_ = t;
@@ -92,21 +91,25 @@ class Run {
       case Proved::kApart:
         state_.phase = Phase::kApart;
         return;
-      case Proved::kContact: {
-        PairEvent event = writer_.stamped(Kind::kInitialOverlap, 0.0);
-        writer_.fill(event, describeOverlap(pair_, pair_.at(0.0), witness), 0.0, 0.0);
-        event.certificate = Certificate::kConfirmed;
-        event.reason = Reason::kNone;
-        events_.push_back(event);
-        state_.phase = Phase::kTouching;
-        state_.contact = event;
+      case Proved::kContact:
+        beginOverlap(0.0, witness);
         start_witness_ = std::move(witness);
         return;
-      }
       case Proved::kNothing:
         open(Kind::kInitialOverlap, 0.0, writer_.anyNear(0.0, 0.0));
         return;
     }
+  }
+
+  /// Contact is proved at `t`, and nothing is known of how it began.
+  void beginOverlap(double t, const ContactWitness& witness) {
+    PairEvent event = writer_.stamped(Kind::kInitialOverlap, t);
+    writer_.fill(event, describeOverlap(pair_, pair_.at(t), witness), t, t);
+    event.certificate = Certificate::kConfirmed;
+    event.reason = Reason::kNone;
+    events_.push_back(event);
+    state_.phase = Phase::kTouching;
+    state_.contact = event;
   }
 
   /// Opens a bracket at `t`: contact is possible from here on.
@@ -115,7 +118,8 @@ class Run {
     state_.was_touching = kind == Kind::kSeparation;
     state_.published = false;
     state_.pending = writer_.stamped(kind, t);
-    state_.pending_speed = pair_.speed;
+    state_.pending_speed = pair_.any_speed;
+    state_.pending_spin = pair_.motion.spinA() + pair_.motion.spinB();
     opened_ = pair;
   }
 
@@ -149,7 +153,8 @@ class Run {
           t = found_at_;
           return true;
         }
-        if (search_.nearPairs(from, at, 1).empty() && !carried) {  // a second look proves the bracket free
+        if (search_.nearPairs(from, at, 1).empty() && !search_.exhausted() &&
+            !carried) {  // a second look proves the bracket free
           state_.phase = Phase::kApart;
           t = at;
           return true;
@@ -161,7 +166,7 @@ class Run {
           proved_nothing = next.time;
           continue;
         }
-        publishPossible(at);
+        publishPossible(at, true);
         state_.phase = Phase::kApart;
         t = at;
         return true;
@@ -176,10 +181,7 @@ class Run {
   /// up nothing.
   bool waitForMore() {
     const bool carried = state_.pending.interval_start_ns != piece_.start_ns;
-    if (carried && !state_.published) {
-      if (!state_.was_touching) publishPossible(end_);
-      state_.published = true;
-    }
+    if (carried && !state_.published) giveUp();
     return false;
   }
 
@@ -190,11 +192,17 @@ class Run {
       state_.phase = Phase::kTouching;
       return;
     }
+    if (state_
+            .published) {  // the onset is an open question already published: what is proved is contact, here
+      beginOverlap(at, found);
+      return;
+    }
     ElementPair pair{found.element_a, found.element_b};
-    if (pair.a < 0) pair = opened_.a >= 0 ? opened_ : writer_.anyNear(from, at);
+    const bool sure_of_pair = pair.a >= 0;
+    if (!sure_of_pair) pair = opened_.a >= 0 ? opened_ : writer_.anyNear(from, at);
     PairEvent event = state_.pending;
     event.kind = Kind::kImpact;
-    writer_.finishImpact(event, from, at, pair, state_.pending_speed);
+    writer_.finishImpact(event, from, at, pair, state_, sure_of_pair);
     event.certificate = Certificate::kConfirmed;
     event.reason =
         event.toi_upper - event.toi_lower > options_.time_precision ? Reason::kPrecision : Reason::kNone;
@@ -241,7 +249,7 @@ class Run {
       if (!proved) continue;
       PairEvent event = state_.pending;
       event.kind = Kind::kImpact;
-      writer_.finishImpact(event, from, at, pair, state_.pending_speed);
+      writer_.finishImpact(event, from, at, pair, state_);
       event.certificate = Certificate::kConfirmed;
       event.reason = Reason::kNone;
       events_.push_back(event);
@@ -364,15 +372,17 @@ class Run {
     state_.contact = contact;
   }
 
-  void publishSeparation(double at) {
+  /// Closes a separation's bracket at `at`. `apart`: proved there, else the question stays open.
+  void publishSeparation(double at, bool apart = true) {
     PairEvent event = state_.pending;
     const double from = std::max(0.0, writer_.localStart(event));
     ElementPair pair = opened_;
     if (pair.a < 0) pair = writer_.anyNear(from, at);
-    writer_.finishSeparation(event, from, at, pair, state_.pending_speed);
-    const bool sure = state_.contact.certificate == Certificate::kConfirmed && !state_.published;
+    writer_.finishSeparation(event, from, at, pair, state_, opened_.a >= 0);
+    const bool sure = apart && state_.contact.certificate == Certificate::kConfirmed;
     event.certificate = sure ? Certificate::kConfirmed : Certificate::kPossible;
-    event.reason = !sure                                                         ? Reason::kGrazing
+    event.reason = search_.exhausted()                                           ? Reason::kBudget
+                   : !sure                                                       ? Reason::kGrazing
                    : event.toi_upper - event.toi_lower > options_.time_precision ? Reason::kPrecision
                                                                                  : Reason::kNone;
     events_.push_back(event);
@@ -382,16 +392,16 @@ class Run {
 
   /// Closes the open bracket at `at`, where the pair is proved apart again or the data end, without a proof
   /// of contact.
-  void publishPossible(double at) {
+  void publishPossible(double at, bool proved_apart = false) {
     if (state_.was_touching) {
-      publishSeparation(at);
+      publishSeparation(at, proved_apart);
       return;
     }
     if (state_.published) return;
     PairEvent event = state_.pending;
     const double from = std::max(0.0, writer_.localStart(event));
     const ElementPair pair = opened_.a >= 0 ? opened_ : writer_.anyNear(from, at);
-    writer_.finishImpact(event, from, at, pair, state_.pending_speed);
+    writer_.finishImpact(event, from, at, pair, state_, opened_.a >= 0);
     if (event.kind == Kind::kInitialOverlap) {
       event.toi_upper = event.toi_lower;
       event.normal = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
@@ -405,14 +415,20 @@ class Run {
 
   /// The node budget is spent: everything from `t` on is one open question.
   void stopForBudget(double t) {
-    if (state_.phase == Phase::kUndecided && !state_.was_touching) {
-      publishPossible(end_);
-      state_.published = true;
-    } else {
-      openSeparation(t);
-      state_.phase = Phase::kUndecided;
-      state_.published = true;
-    }
+    if (state_.phase == Phase::kApart) open(Kind::kImpact, t, {});
+    if (state_.phase == Phase::kTouching) openSeparation(t);
+    if (state_.pending.kind == Kind::kInitialOverlap)
+      state_.pending.kind = Kind::kImpact;  // all of it is open
+    if (!state_.published) giveUp();
+  }
+
+  /// Publishes the open bracket as POSSIBLE up to the piece's end. It holds nothing up any more; the pair is
+  /// neither in contact nor apart until one of them is proved.
+  void giveUp() {
+    publishPossible(end_);
+    state_.phase = Phase::kUndecided;
+    state_.was_touching = false;
+    state_.published = true;
   }
 
   const PairPiece& pair_;

@@ -19,11 +19,11 @@ constexpr double kTimeSplit = 0.06;
 /// Keeps the part of [low, high] (relative to the slab's middle) on which |d + w s| <= e. False when nothing
 /// is left.
 bool clipAxis(double d, double w, double e, double pad, double& low, double& high) {
-  if (w == 0.0) return std::abs(d) <= e;
+  if (w == 0.0) return !(std::abs(d) > e);
   const double near = (-e - d) / w, far = (e - d) / w;
   low = std::max(low, std::min(near, far) - pad);
   high = std::min(high, std::max(near, far) + pad);
-  return low <= high;
+  return !(low > high);
 }
 
 /// The longest time any proposed axis proves. More are tried only where the first does worse than plain
@@ -122,7 +122,7 @@ bool Search::clip(Item& item) const {
   }
   item.low = std::max(item.low, s.middle + low);
   item.high = std::min(item.high, s.middle + high);
-  return item.low <= item.high;
+  return !(item.low > item.high);
 }
 
 /// Clips, then moves to ever smaller slabs as long as the rest of the time fits into one.

@@ -74,6 +74,13 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
   }
   translation_error_ = 32.0 * kUnit * magnitude;
 
+  const auto ownSpeed = [&](const RigidMotion& m, double offset) {
+    const double until = std::abs(offset) + duration_;
+    return (m.c[1].norm() + until * (2.0 * m.c[2].norm() + 3.0 * until * m.c[3].norm())) * kUp;
+  };
+  own_speed_a_ = ownSpeed(a, offset_a_);
+  own_speed_b_ = ownSpeed(b, offset_b_);
+  world_scale_a_ = a.c[0].norm() + own_speed_a_ * (std::abs(offset_a_) + duration_);
   max_acceleration_ = std::max(acceleration(0.0).norm(), acceleration(duration_).norm()) * kUp;
   max_speed_ = (velocity(0.5 * duration_).norm() + 0.5 * duration_ * max_acceleration_) * kUp;
   max_distance_ = std::min(displacement(0.0).norm(), displacement(duration_).norm()) + max_speed_ * duration_;

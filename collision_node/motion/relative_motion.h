@@ -37,11 +37,15 @@ class RelativeMotion {
   double rotationErrorA() const { return a_.error; }
   double rotationErrorB() const { return b_.error; }
 
-  /// For reports only: poses in the world and the velocity of A's origin.
+  /// sup of the speed of each object's own origin in the world, over the piece [m/s].
+  double ownSpeedA() const { return own_speed_a_; }
+  double ownSpeedB() const { return own_speed_b_; }
+  /// Bounds every term of A's position in the world [m].
+  double worldScaleA() const { return world_scale_a_; }
+
+  /// For reports only: poses in the world.
   Pose poseA(double t) const { return motion_a_.at(offset_a_ + t); }
   Pose poseB(double t) const { return motion_b_.at(offset_b_ + t); }
-  Vec3 velocityA(double t) const { return motion_a_.velocity(offset_a_ + t); }
-  Vec3 velocityB(double t) const { return motion_b_.velocity(offset_b_ + t); }
 
  private:
   struct Spin {
@@ -61,6 +65,7 @@ class RelativeMotion {
   Vec3 d_[4];
   Spin a_, b_;
   double max_speed_ = 0.0, max_acceleration_ = 0.0, max_distance_ = 0.0, translation_error_ = 0.0;
+  double own_speed_a_ = 0.0, own_speed_b_ = 0.0, world_scale_a_ = 0.0;
 };
 
 }  // namespace collision_node::motion

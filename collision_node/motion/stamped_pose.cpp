@@ -7,12 +7,15 @@ namespace collision_node::motion {
 namespace {
 
 constexpr double kNormTolerance = 1e-2;  // on |q|^2 - 1; the contract's limit, not a numerical tolerance
+constexpr double kLargest = 1e15;        // [m], [m/s], [rad/s]: beyond it squares and sums leave the doubles' grid
 
 }  // namespace
 
 PoseFault checkAndNormalise(StampedPose& pose) {
-  const bool finite = pose.pose.position.allFinite() && pose.pose.orientation.coeffs().allFinite() &&
-                      (!pose.has_twist || (pose.linear.allFinite() && pose.angular.allFinite()));
+  // Written so that NaN fails.
+  const auto usable = [](const Vec3& v) { return (v.array().abs() <= kLargest).all(); };
+  const bool finite = usable(pose.pose.position) && pose.pose.orientation.coeffs().allFinite() &&
+                      (!pose.has_twist || (usable(pose.linear) && usable(pose.angular)));
   if (!finite) return PoseFault::kNotFinite;
   const double norm2 = pose.pose.orientation.squaredNorm();
   if (!(std::abs(norm2 - 1.0) < kNormTolerance)) return PoseFault::kQuaternion;

@@ -29,7 +29,8 @@ struct StampedPose {
   Vec3 angular = Vec3::Zero();  ///< rate, world axes [rad/s]
 };
 
-/// What a source's numbers are good for. Quaternions with | |q|^2 - 1 | >= 1e-2, NaN and Inf are refused.
+/// What a source's numbers are good for. Quaternions with | |q|^2 - 1 | >= 1e-2, NaN, Inf and components beyond 1e15
+/// (as good as infinite) are refused.
 enum class PoseFault { kNone, kNotFinite, kQuaternion };
 
 /// Checks `pose` and makes its quaternion unit.

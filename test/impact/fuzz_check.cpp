@@ -228,6 +228,7 @@ class Examination {
     const Real end = pair_.duration();
     Real since = 0;  // of the current claim
     bool touching = false;
+    const PairEvent* before = nullptr;
     for (const PairEvent& e : events_) {
       const Real lower = e.toi_lower, upper = std::min<Real>(e.toi_upper, end);
       if (e.kind != Kind::kInitialOverlap) touching ? touches(since, lower) : free(since, lower);
@@ -236,9 +237,10 @@ class Examination {
       else if (e.kind == Kind::kImpact)
         impactIsReal(lower, upper);
       else if (e.kind == Kind::kSeparation)
-        separationIsReal(lower, upper);
+        separationIsReal(lower, upper, before && before->toi_lower == e.toi_lower);
       if (e.certificate == Certificate::kConfirmed) touching = e.kind != Kind::kSeparation;
       since = std::max(since, upper);
+      before = &e;
       if (!complaints_.empty()) return;
     }
     touching ? touches(since, end) : free(since, end);
@@ -289,9 +291,10 @@ class Examination {
     }
   }
 
-  void separationIsReal(Real lower, Real upper) {
+  /// `with_impact`: in one bracket with its impact, as a point through a surface; contact is then somewhere inside.
+  void separationIsReal(Real lower, Real upper, bool with_impact) {
     const Real tolerance = (pair_.hasTwoCylinders() ? 1e-11L : 1e-15L) * pair_.scale();
-    if (!pair_.crossesInNoTime() && pair_.provedDistance(lower) > tolerance) {
+    if (!(with_impact && pair_.hasPoint()) && pair_.provedDistance(lower) > tolerance) {
       complain("SEPARATION says contact at %.20Lg s, apart there by %.6Lg m", lower, pair_.distance(lower));
     }
     if (upper < pair_.duration() && pair_.touching(upper + 1e-16L * pair_.duration())) {

@@ -193,7 +193,7 @@ TEST(CertifiedProperties, AnExactWorldOffsetGivesIdenticalBits) {
   });
 }
 
-TEST(CertifiedProperties, DISABLED_CleanHitsAtTwoKilometresASecondAreNarrow) {
+TEST(CertifiedProperties, CleanHitsAtTwoKilometresASecondAreNarrow) {
   // Width <= precision.time = 1e-9 s and ball <= precision.distance = 1e-6 m for vertex/face and sphere/face
   // hits.
   Random random(kSeed, 0);

@@ -199,7 +199,7 @@ TEST(GapModel, ProvesClearanceOfWhatIsClearlyApart) {
   EXPECT_GT(proved, 0.999 * apart) << "seed " << kSeed;
 }
 
-TEST(GapModel, DISABLED_ApartForFindsMostOfTheTime) {
+TEST(GapModel, ApartForFindsMostOfTheTime) {
   // Not a guarantee, but a proof of no time for a gap far above the budget would halt every search behind it.
   Random random(kSeed, 2);
   int asked = 0;

@@ -45,6 +45,8 @@ class Pair {
   bool crossesInNoTime() const {
     return (a_.only_points && !b_.has_volume) || (b_.only_points && !a_.has_volume);
   }
+  /// One side is points only: it may pass through a surface of the other in no time.
+  bool hasPoint() const { return a_.only_points || b_.only_points; }
   const Path& pathA() const { return path_a_; }
   const Path& pathB() const { return path_b_; }
   Real duration() const { return duration_; }
