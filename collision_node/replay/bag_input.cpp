@@ -9,6 +9,7 @@
 
 #include "collision_node/messages/convert.h"
 #include "collision_node/messages/event_text.h"
+#include "collision_node/replay/bag_index.h"
 
 namespace collision_node::replay {
 
@@ -69,6 +70,8 @@ BagInput::BagInput(const std::vector<std::string>& files) : files_(files) {
   for (const auto& file : files) {
     try {
       bags_.push_back(openBag(file));
+      if (const auto damaged = checkIndex(file))
+        damaged_from_ns_ = std::min(*damaged, damaged_from_ns_.value_or(*damaged));
     } catch (const InputError& error) {
       faults += (faults.empty() ? "" : "\n") + std::string(error.what());
     }
@@ -167,6 +170,8 @@ BagInput::Summary BagInput::forEach(
     message = view.begin();
   };
   const auto fill = [&] {
+    if (damaged_from_ns_ && messages::toNanoseconds(message->getTime()) >= *damaged_from_ns_)
+      throw std::length_error("a message is longer than its chunk");
     fillBytes(*message, bytes);
     raw.datatype = message->getDataType();
     raw.md5sum = message->getMD5Sum();

@@ -4,6 +4,7 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -16,7 +17,7 @@
 namespace collision_node::replay {
 
 /// Opens all bags, for reading only. Throws InputError, one line each: absent, empty, no bag, never closed,
-/// cut short.
+/// cut short, index damaged.
 class BagInput {
  public:
   explicit BagInput(const std::vector<std::string>& files);
@@ -47,6 +48,7 @@ class BagInput {
 
   std::vector<std::string> files_;
   std::vector<std::unique_ptr<rosbag::Bag>> bags_;
+  std::optional<std::int64_t> damaged_from_ns_;  // receive time from which messages cannot be read
   ros::Time begin_, end_;
 };
 
