@@ -64,15 +64,17 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
     d_[3] = b.c[3] - a.c[3];
   }
 
-  // Every term that was rounded, at its largest over both segments' shares of time.
+  // Every term that was rounded, at its largest over both segments' shares of time. What both objects have in common
+  // never was, but for the rounding of each one's own velocity (difference, duration, quotient).
   const double reach = std::max(std::abs(oa), std::abs(ob)) + duration_;
-  double magnitude = (b.c[0] - a.c[0]).norm();
-  double power = 1.0;
-  for (int k = 1; k < 4; ++k) {
+  double magnitude = (b.c[0] - a.c[0]).norm() + d_[1].norm() * reach + (b.c[1] - a.c[1]).norm() * reach +
+                     a.c[1].norm() * std::abs(shift);
+  double power = reach;
+  for (int k = 2; k < 4; ++k) {
     power *= reach;
-    magnitude += (a.c[k].norm() + b.c[k].norm()) * power * (k == 1 ? 2.0 : 4.0);
+    magnitude += 4.0 * (a.c[k].norm() + b.c[k].norm()) * power;
   }
-  translation_error_ = 32.0 * kUnit * magnitude;
+  translation_error_ = 32.0 * kUnit * magnitude + 4.0 * kUnit * (a.c[1].norm() + b.c[1].norm()) * reach;
 
   const auto ownSpeed = [&](const RigidMotion& m, double offset) {
     const double until = std::abs(offset) + duration_;

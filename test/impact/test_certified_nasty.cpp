@@ -227,7 +227,7 @@ TEST(CertifiedNasty, ACommonOrbitIsTheOneMetreASecondProblem) {
   }
 }
 
-TEST(CertifiedNasty, DISABLED_ACommonOrbitCostsNoWidth) {
+TEST(CertifiedNasty, ACommonOrbitCostsNoWidth) {
   Watched pair({box(2, 2, 2)}, {sphere(0.5)});
   fallInOrbit(pair, 0, 30000.0 * Vec3(1, -1, 0.5));
   ASSERT_EQ(pair.story(), "IMPACT CONFIRMED") << pair.list();
