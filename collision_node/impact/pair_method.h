@@ -125,7 +125,7 @@ class PairMethod {
   virtual void interrupt(PairState& state, Reason reason, std::vector<PairEvent>& events) const = 0;
 };
 
-/// The certified solver. Guarantee: see docs/guarantees.md. The bodies must outlive the method.
+/// The certified solver. Guarantees: docs/solver.md, first section. The bodies must outlive the method.
 std::unique_ptr<PairMethod> makeCertified(const geometry::Body& a, const geometry::Body& b,
                                           const PairOptions& options);
 
