@@ -69,9 +69,11 @@ void EventWriter::joinNeighbours(PairEvent& event, ContactFacts& facts, const Br
     const ContactFacts near =
         describeContact(pair_, now, bracket.upper - bracket.lower, other, bracket.apart_at, bracket.earlier);
     const double needed = (near.position - facts.position).norm() + near.position_error;
-    if (needed <= facts.position_error) continue;
     const bool same_place = needed <= std::max(2.0 * facts.position_error, 0.5 * options_.distance_precision);
-    if (same_place || !bracket.sure_of_pair) facts.position_error = needed * (1.0 + 16.0 * kUnit);
+    if (same_place || !bracket.sure_of_pair) {
+      facts.position_error = std::max(facts.position_error, needed * (1.0 + 16.0 * kUnit));
+      widenCone(facts, near);
+    }
     if (!same_place) event.multiple = true;
   }
 }

@@ -44,6 +44,7 @@ class EventWriter {
 
   void finish(PairEvent& event, const Bracket& bracket, ElementPair pair);
   void joinNeighbours(PairEvent& event, ContactFacts& facts, const Bracket& bracket, ElementPair pair);
+  static void widenCone(ContactFacts& facts, const ContactFacts& other);
   Earlier earlierThan(const PairEvent& event, const PairState& state) const;
 
   const PairPiece& pair_;
