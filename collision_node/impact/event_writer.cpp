@@ -56,6 +56,14 @@ void EventWriter::finish(PairEvent& event, const Bracket& bracket, ElementPair p
   fill(event, facts, bracket.reference, bracket.upper);
 }
 
+/// Makes the normal's cone hold the other's, which may be the first to touch.
+void EventWriter::widenCone(ContactFacts& facts, const ContactFacts& other) {
+  const double lean = 2.0 * std::asin(std::min(1.0, 0.5 * (facts.normal - other.normal).norm()));
+  const double needed = lean + other.normal_error;
+  // Written so that NaN widens to "unknown".
+  if (!(needed <= facts.normal_error)) facts.normal_error = needed < M_PI ? needed : M_PI;
+}
+
 /// Other element pairs that may touch in the bracket: at the same place they widen the ball, elsewhere they
 /// are said.
 void EventWriter::joinNeighbours(PairEvent& event, ContactFacts& facts, const Bracket& bracket,
