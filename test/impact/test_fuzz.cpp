@@ -54,8 +54,8 @@ TEST(Fuzz, EveryContactIsFoundAndEveryBoundHolds) {
   EXPECT_LE(tally.gave_up, tally.cases / 200) << "the oracle itself could not tell";
 }
 
-/// Cases that failed once. Seed 7, 916: a neighbouring triangle touched first, under another normal than the one reported.
-/// Seed 7, 1117: a point through the surface of a body that has a solid part too.
+/// Cases that failed once. Seed 7, 916: a neighbouring triangle touched first, under another normal than the
+/// one reported. Seed 7, 1117: a point through the surface of a body that has a solid part too.
 TEST(Fuzz, FoundFailuresStayFixed) {
   for (const int index : {916, 1117}) {
     const fuzz::Case c = fuzz::makeCase(7, index);
