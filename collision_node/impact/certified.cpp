@@ -5,6 +5,7 @@
 #include "collision_node/impact/event_writer.h"
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/impact/piece_run.h"
+#include "collision_node/impact/solve.h"
 
 namespace collision_node::impact {
 namespace {
@@ -63,6 +64,26 @@ class Certified : public PairMethod {
 };
 
 }  // namespace
+
+struct Workspace::Buffers {};
+Workspace::Workspace() : buffers_(std::make_unique<Buffers>()) {}
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+Workspace& Workspace::operator=(Workspace&&) noexcept = default;
+
+void solve(const Body& a, const Body& b, const Piece& piece, const PairOptions& options, Workspace&,
+           Solution& solution) {
+  solution.events.clear();
+  const PairPiece pair(a, b, piece, options.contact_distance);
+  PairState state;
+  const PieceOutcome outcome = runPiece(pair, piece, options, state, solution.events);
+  state.last_piece = piece;
+  if (state.phase == Phase::kUndecided) Certified(a, b, options).finish(state, solution.events);
+  solution.verdict = outcome.answer;
+  solution.budget_met = outcome.budget_met;
+  solution.node_tests = outcome.node_tests;
+  solution.subdivisions = outcome.subdivisions;
+}
 
 std::unique_ptr<PairMethod> makeCertified(const Body& a, const Body& b, const PairOptions& options) {
   return std::make_unique<Certified>(a, b, options);

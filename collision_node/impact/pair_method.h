@@ -46,11 +46,18 @@ struct Piece {
   motion::RigidMotion b;
 };
 
+/// How far a piece is looked at.
+enum class Scope : std::uint8_t {
+  kWholePiece,    ///< all changes of contact
+  kFirstContact,  ///< up to the first event; what comes after it is not looked at
+};
+
 struct PairOptions {
   double time_precision = 1e-9;         ///< [s] where refinement of a bracket may stop
   double distance_precision = 1e-6;     ///< [m] where refinement of the position ball may stop
   double contact_distance = 0.0;        ///< [m] >= 0; touching means distance <= this
   std::uint64_t node_budget = 4000000;  ///< node tests one piece may cost; met: POSSIBLE, reason BUDGET
+  Scope scope = Scope::kWholePiece;     ///< streams need kWholePiece
 };
 
 /// One side of a contact, in the frame of the object (not of the link).

@@ -54,6 +54,7 @@ class Run {
     std::optional<ContactWitness> witness;
     if (start_witness_) witness = std::move(start_witness_);
     while (true) {
+      if (options_.scope == Scope::kFirstContact && events_.size() > before) break;
       if (search_.exhausted()) {
         stopForBudget(t);
         break;
