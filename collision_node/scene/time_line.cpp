@@ -25,7 +25,8 @@ void TimeLine::clockWentBack() {
     return track.status() == Track::Status::kLive || track.lastReleased();
   });
   if (!has_poses) return;  // nothing to go back from
-  // Poses may have said so before the clock did: then this is the same jump, even if the scene has followed it already.
+  // Poses may have said so before the clock did: then this is the same jump, even if the scene has followed
+  // it already.
   const bool known = hasLaterEpoch() || std::any_of(tracks_.begin(), tracks_.end(),
                                                     [](const Track& track) { return track.wentBack(); });
   const std::uint32_t target = known ? latest_epoch_ : epoch_ + 1;
@@ -52,7 +53,10 @@ void TimeLine::note(int index) {
   const Track& track = tracks_[index];
   is_changed_[index] = 1;
   latest_epoch_ = std::max(latest_epoch_, track.epoch());
-  if (track.firstReleased() && (!first_ || *track.firstReleased() < *first_)) first_ = track.firstReleased();
+  if (track.firstReleased() && (!first_ || *track.firstReleased() < *first_)) {
+    first_ = track.firstReleased();
+    next_check_ns_ = std::min(next_check_ns_, *first_ + timeout_ns_);  // who is waited for is given up sooner
+  }
   if (track.lastReleased() && (!newest_ || *track.lastReleased() > *newest_)) newest_ = track.lastReleased();
   if (track.status() == Track::Status::kLive)
     next_check_ns_ = std::min(next_check_ns_, track.newest() + timeout_ns_);
@@ -62,15 +66,17 @@ void TimeLine::note(int index) {
 void TimeLine::checkTimeouts() {
   if (!newest_ || *newest_ <= next_check_ns_) return;
   const Nanoseconds now = *newest_;
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    const Track::Status status = tracks_[i].status();
-    if (status == Track::Status::kLive && now - tracks_[i].newest() > timeout_ns_) {
-      tracks_[i].timeOut();
-      note(static_cast<int>(i));
-    } else if (status == Track::Status::kWaiting && now - *first_ > timeout_ns_) {
-      tracks_[i].giveUpWaiting();
-      note(static_cast<int>(i));
-    }
+  const int count = static_cast<int>(tracks_.size());
+  for (int i = 0; i < count; ++i) {
+    if (tracks_[i].status() != Track::Status::kLive || now - tracks_[i].newest() <= timeout_ns_) continue;
+    tracks_[i].timeOut();
+    note(i);
+  }
+  // Then only: what a silent track had not released yet may be the first of the epoch.
+  for (int i = 0; i < count; ++i) {
+    if (tracks_[i].status() != Track::Status::kWaiting || now - *first_ <= timeout_ns_) continue;
+    tracks_[i].giveUpWaiting();
+    note(i);
   }
   next_check_ns_ = std::numeric_limits<Nanoseconds>::max();
   for (const Track& track : tracks_) {
@@ -123,10 +129,11 @@ void TimeLine::closeEpoch() {
 }
 
 void TimeLine::nextEpoch() {
-  std::uint32_t next = std::numeric_limits<std::uint32_t>::max();
+  // A track may have been through several since: none of them is left out.
+  std::optional<std::uint32_t> next;
   for (const Track& track : tracks_)
-    if (track.epoch() > epoch_) next = std::min(next, track.epoch());
-  epoch_ = hasLaterEpoch() ? next : epoch_ + 1;
+    if (const auto epoch = track.firstEpochAfter(epoch_)) next = next ? std::min(*next, *epoch) : *epoch;
+  epoch_ = next.value_or(epoch_ + 1);
   for (Track& track : tracks_) track.beginEpoch(epoch_);
   startOver();
 }

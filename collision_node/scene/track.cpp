@@ -201,6 +201,7 @@ void Track::clockWentBack(std::uint32_t epoch) {
 
 void Track::enterEpoch(std::uint32_t epoch) {
   releaseUpTo(kForEver);
+  if (epoch_ > scene_epoch_ && last_released_) past_lead_ += *last_released_ - *first_released_;
   epoch_ = epoch;
   last_released_.reset();
   first_released_.reset();
@@ -229,10 +230,15 @@ void Track::beginEpoch(std::uint32_t epoch) {
   }
   scene_first_.reset();
   scene_last_.reset();
-  for (const Sample& sample : samples_) {
-    if (sample.epoch != epoch) break;
-    if (!scene_first_) scene_first_ = sample.pose.stamp_ns;
-    scene_last_ = sample.pose.stamp_ns;
+  past_lead_ = 0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const Sample& sample = samples_[i];
+    if (sample.epoch == epoch) {
+      if (!scene_first_) scene_first_ = sample.pose.stamp_ns;
+      scene_last_ = sample.pose.stamp_ns;
+    } else if (i > 0 && sample.epoch < epoch_ && sample.epoch == samples_[i - 1].epoch) {
+      past_lead_ += sample.pose.stamp_ns - samples_[i - 1].pose.stamp_ns;
+    }
   }
 }
 
@@ -264,7 +270,14 @@ std::optional<Nanoseconds> Track::frontier() const {
 }
 
 Nanoseconds Track::lead() const {
-  return epoch_ > scene_epoch_ && last_released_ ? *last_released_ - *first_released_ : 0;
+  return past_lead_ + (epoch_ > scene_epoch_ && last_released_ ? *last_released_ - *first_released_ : 0);
+}
+
+std::optional<std::uint32_t> Track::firstEpochAfter(std::uint32_t epoch) const {
+  for (const Sample& sample : samples_)
+    if (sample.epoch > epoch) return sample.epoch;
+  if (epoch_ > epoch) return epoch_;
+  return std::nullopt;
 }
 
 bool Track::has(std::size_t index) const {

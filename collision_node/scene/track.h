@@ -109,8 +109,10 @@ class Track {
   std::optional<Nanoseconds> lastReleased() const { return scene_last_; }
   /// Nothing older than this will be released any more; unset when a first pose might still be of any age.
   std::optional<Nanoseconds> frontier() const;
-  /// How far the data of an epoch beyond the scene's has come. [ns]
+  /// How far the data beyond the scene's epoch have come, all their epochs together. [ns]
   Nanoseconds lead() const;
+  /// The first epoch after `epoch` that the track has poses of, or has reached.
+  std::optional<std::uint32_t> firstEpochAfter(std::uint32_t epoch) const;
   const InputCounts& counts() const { return counts_; }
   /// Of all epochs.
   const std::optional<Hole>& firstHole() const { return first_hole_; }
@@ -154,6 +156,7 @@ class Track {
   std::optional<Nanoseconds> first_released_;  ///< in epoch_
   std::deque<Nanoseconds> recent_;             ///< released in epoch_ within the last `jump`, ascending
   std::optional<Nanoseconds> scene_first_, scene_last_;
+  Nanoseconds past_lead_ = 0;         ///< how long the epochs between the scene's and epoch_ lasted
   std::optional<Nanoseconds> floor_;  ///< where a track that joined late may begin; until its next release
   Nanoseconds newest_ = 0;            ///< in epoch_, of those delivered
   std::optional<Arrival> held_;
