@@ -137,6 +137,7 @@ TEST_F(PublishedQueries, TheExactOracleAgreesAndItsFirstTouchLiesInEveryBracket)
     ASSERT_EQ(touch.has_value(), one.touches) << one.where;
     if (!touch) continue;
     const LinearContact contact = ask(one.query);
+    ASSERT_NE(contact.verdict, LinearVerdict::kClear) << one.where;
     EXPECT_LE(oracle::Rational(contact.t_lo), touch->high) << one.where;
     EXPECT_GE(oracle::Rational(contact.t_hi), touch->low) << one.where;
   }
