@@ -1,0 +1,83 @@
+/// collision_node_benchmarks: docs/benchmarks.md says what each row means.
+#include <benchmark/benchmark.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "collision_node/report/benchmarks/table.h"
+
+namespace {
+
+using namespace collision_node::report;
+
+constexpr char kUsage[] =
+    "usage: collision_node_benchmarks [--row NAME]... [--count N] [--only-ours] [--list]\n"
+    "  --row NAME   this row only (may be given again); default: all\n"
+    "  --count N    queries in each row, instead of the row's own number\n"
+    "  --only-ours  no reference runs: for profilers\n"
+    "  --list       the names of the rows\n";
+
+struct Options {
+  std::vector<std::string> names;
+  std::size_t count = 0;
+  bool only_ours = false, list = false;
+};
+
+bool parse(int argc, char** argv, Options& options) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--only-ours") {
+      options.only_ours = true;
+    } else if (word == "--list") {
+      options.list = true;
+    } else if (word == "--row" && i + 1 < argc) {
+      options.names.push_back(argv[++i]);
+    } else if (word == "--count" && i + 1 < argc) {
+      options.count = std::strtoul(argv[++i], nullptr, 10);
+      if (options.count == 0) return false;
+    } else {
+      return false;
+    }
+  }
+  for (const std::string& name : options.names) {
+    bool known = false;
+    for (const Row& row : rows()) known = known || row.name == name;
+    if (!known) return false;
+  }
+  return true;
+}
+
+bool wanted(const Options& options, const std::string& name) {
+  for (const std::string& one : options.names) {
+    if (one == name) return true;
+  }
+  return options.names.empty();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  if (!parse(argc, argv, options)) {
+    std::fputs(kUsage, stderr);
+    return 2;
+  }
+  char program[] = "collision_node_benchmarks", by_turns[] = "--benchmark_enable_random_interleaving=true";
+  char* arguments[] = {program, by_turns, nullptr};
+  int count = 2;
+  benchmark::Initialize(&count, arguments);
+  std::vector<Line> lines;
+  for (const Row& row : rows()) {
+    if (!wanted(options, row.name)) continue;
+    if (options.list) {
+      std::puts(row.name.c_str());
+      continue;
+    }
+    std::fprintf(stderr, "%s ...\n", row.name.c_str());
+    lines.push_back(lineOf(row, run(row, options.count ? options.count : row.count, options.only_ours)));
+  }
+  if (!options.list) print(lines);
+  return 0;
+}

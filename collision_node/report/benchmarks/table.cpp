@@ -1,0 +1,66 @@
+#include "collision_node/report/benchmarks/table.h"
+
+#include <cstdio>
+
+namespace collision_node::report {
+namespace {
+
+template <typename... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[400];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+std::string faults(const Faults& side) {
+  std::string text = format("%zu/%zu/%zu/%zu", side.missed, side.false_hits, side.late, side.undecided);
+  if (side.late > 0) text += " (late by " + readable(side.worst_late) + ")";
+  return text;
+}
+
+}  // namespace
+
+std::string readable(double seconds) {
+  if (seconds < 1e-6) return format("%.3g ns", seconds * 1e9);
+  if (seconds < 1e-3) return format("%.3g us", seconds * 1e6);
+  if (seconds < 1.0) return format("%.3g ms", seconds * 1e3);
+  return format("%.3g s", seconds);
+}
+
+Line lineOf(const Row& row, const RowOutcome& outcome) {
+  Line line;
+  line.row = row.name;
+  line.ours = readable(outcome.ours.seconds);
+  line.reference_name = row.reference;
+  line.reach = row.reach;
+  const bool judged = outcome.reference && row.same_motion;
+  const Comparison comparison =
+      judged ? compare(outcome.ours.answers, outcome.reference->answers, kPrecision,
+                       outcome.reference->stops_at_gap, outcome.reference->time_rounding)
+             : compare(outcome.ours.answers, {}, kPrecision, 0.0, 0.0);
+  line.quality = format("%zu of %zu | ", comparison.hits, outcome.ours.answers.size());
+  line.quality += judged ? faults(comparison.ours) : format("-/-/-/%zu", comparison.ours.undecided);
+  line.quality += " | " + (judged ? faults(comparison.reference) : std::string("-"));
+  line.quality += " | " + (judged ? readable(comparison.worst_error) : std::string("-"));
+  if (outcome.reference) {
+    line.reference = readable(outcome.reference->seconds);
+    line.ratio = outcome.reference->seconds / outcome.ours.seconds;
+  }
+  return line;
+}
+
+void print(const std::vector<Line>& lines) {
+  std::printf(
+      "| row | ours | reference | | ratio | reach | reached | hits | ours missed/false/late/undecided | "
+      "reference's | worst difference |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const Line& line : lines) {
+    const std::string ratio = line.ratio ? format("%.3g", *line.ratio) : "-";
+    const char* reached = !line.ratio ? "-" : *line.ratio >= line.reach ? "yes" : "no";
+    const std::string reference = line.ratio ? line.reference : "absent";
+    std::printf("| %s | %s | %s | %s | %s | %.3g | %s | %s |\n", line.row.c_str(), line.ours.c_str(),
+                reference.c_str(), line.reference_name.c_str(), ratio.c_str(), line.reach, reached,
+                line.quality.c_str());
+  }
+}
+
+}  // namespace collision_node::report
