@@ -231,6 +231,26 @@ double apartFor(const GapModel& model, double span, double* gap_now) {
       if (end.gap > 0.0) return high;
     }
   }
+  // A pair that recedes: the model rises before it falls, so that a chord from a small gap shows nothing of
+  // the time it will last. The parabola with the low end's value and slope and the high end's value does; it
+  // only proposes.
+  double low_slope = start.slope;
+  for (int i = 0; i < 3 && low_slope > 0.0; ++i) {
+    const double width = high - low;
+    const double bend = (low_gap + low_slope * width - end.gap) / (width * width);
+    const double root = (low_slope + std::sqrt(low_slope * low_slope + 4.0 * bend * low_gap)) / (2.0 * bend);
+    const double inside = low + 0.999 * root;
+    if (!(inside > low && inside < high)) break;
+    const GapModel::Value at = model.at(inside);
+    if (at.gap > 0.0) {
+      low = inside;
+      low_gap = at.gap;
+      low_slope = at.slope;
+    } else {
+      high = inside;
+      end = at;
+    }
+  }
   // Tangents from the right close in from above, chords from below; a chord's root is itself proved by
   // evaluation.
   for (int i = 0; i < 6; ++i) {

@@ -234,7 +234,7 @@ TEST(Engine, AGuessedStampIsNotCertified) {
   EXPECT_EQ(kinds(rig.events), (Kinds{"IMPACT/UNCERTIFIED/STAMP_GUESSED", "SEPARATION/CONFIRMED/NONE"}));
 }
 
-TEST(Engine, ATurnTooFarForSlerpIsNotCertified) {
+TEST(Engine, C13_ATurnTooFarForSlerpIsNotCertified) {
   Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
   for (Nanoseconds t = 0; t <= 1000; t += 100) {
     motion::StampedPose pose = poseAt(t, 0.02 * static_cast<double>(t));
@@ -322,7 +322,7 @@ TEST(Engine, LinksOfOneObjectAreTestedAtItsFirstPoseHoweverLateTheTestComes) {
   EXPECT_EQ(rig.events[0].stamp_ns, 1000 * kMs);
 }
 
-TEST(Engine, BadPosesAreCountedAndHarmless) {
+TEST(Engine, C33_BadPosesAreCountedAndHarmless) {
   Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
   rig.feedLine(0, 0, 400, 100, 0.0, 20.0);
   motion::StampedPose bad = poseAt(450, 9.0);
