@@ -32,12 +32,17 @@ Earlier EventWriter::earlierThan(const PairEvent& event, const PairState& state)
 
 void EventWriter::finishImpact(PairEvent& event, double lower, double upper, ElementPair pair,
                                const PairState& state, bool sure_of_pair) {
-  finish(event, {lower, upper, lower, 0.0, earlierThan(event, state), sure_of_pair}, pair);
+  const Piece* before =
+      event.interval_start_ns < piece_.start_ns && state.last_piece.end_ns == piece_.start_ns
+          ? &state.last_piece
+          : nullptr;
+  finish(event, {lower, upper, lower, 0.0, earlierThan(event, state), sure_of_pair, before}, pair);
 }
 
 void EventWriter::finishSeparation(PairEvent& event, double lower, double upper, ElementPair pair,
                                    const PairState& state, bool sure_of_pair) {
-  finish(event, {lower, upper, upper, pair_.motion.duration(), earlierThan(event, state), sure_of_pair},
+  finish(event,
+         {lower, upper, upper, pair_.motion.duration(), earlierThan(event, state), sure_of_pair, nullptr},
          pair);
 }
 
@@ -53,7 +58,18 @@ void EventWriter::finish(PairEvent& event, const Bracket& bracket, ElementPair p
     facts = describeUnknown(pair_, now, span);
     facts.position_error += 2.0 * bracket.earlier.distance;
   }
+  if (bracket.incoming != nullptr) takeVelocities(facts, *bracket.incoming);
   fill(event, facts, bracket.reference, bracket.upper);
+}
+
+/// Of the material points at the contact as `incoming` ends: a cut belongs to the piece before it.
+void EventWriter::takeVelocities(ContactFacts& facts, const Piece& incoming) {
+  const RelativeMotion motion(incoming.a, incoming.b, incoming.start_ns, incoming.end_ns);
+  const double end = motion.duration();
+  facts.relative_velocity = motion.velocity(end) +
+                            motion.omegaB().cross(facts.position - motion.displacement(end)) -
+                            motion.omegaA().cross(facts.position);
+  facts.closing_speed = -facts.relative_velocity.dot(facts.normal);
 }
 
 /// Makes the normal's cone hold the other's, which may be the first to touch.

@@ -20,7 +20,8 @@ class EventWriter {
 
   /// Closes an impact's bracket at `upper`; facts are taken at `lower`, before which the pair is apart.
   /// `state` knows how fast things moved since a bracket that opened on an earlier piece. `sure_of_pair`: the
-  /// pair is known to touch; else the ball holds every pair that may.
+  /// pair is known to touch; else the ball holds every pair that may. A bracket that opened on the piece
+  /// before has the velocities with which that piece ends.
   void finishImpact(PairEvent& event, double lower, double upper, ElementPair pair, const PairState& state,
                     bool sure_of_pair = true);
 
@@ -40,10 +41,12 @@ class EventWriter {
     double apart_at;  ///< on which side in time the pair is apart
     Earlier earlier;
     bool sure_of_pair;
+    const Piece* incoming;  ///< whose velocities at its end are reported; null: this piece's
   };
 
   void finish(PairEvent& event, const Bracket& bracket, ElementPair pair);
   void joinNeighbours(PairEvent& event, ContactFacts& facts, const Bracket& bracket, ElementPair pair);
+  static void takeVelocities(ContactFacts& facts, const Piece& incoming);
   static void widenCone(ContactFacts& facts, const ContactFacts& other);
   Earlier earlierThan(const PairEvent& event, const PairState& state) const;
 
