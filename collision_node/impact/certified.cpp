@@ -33,7 +33,6 @@ class Certified : public PairMethod {
     PairEvent event = state.pending;
     const double end = pair.motion.duration(), from = std::clamp(writer.localStart(event), 0.0, end);
     writer.finishImpact(event, from, end, writer.anyNear(from, end), state, false);
-    if (event.kind == Kind::kInitialOverlap) event.toi_upper = event.toi_lower;
     event.certificate = Certificate::kPossible;
     event.reason = Reason::kGrazing;
     events.push_back(event);

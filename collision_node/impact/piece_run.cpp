@@ -404,7 +404,6 @@ class Run {
     const ElementPair pair = opened_.a >= 0 ? opened_ : writer_.anyNear(from, at);
     writer_.finishImpact(event, from, at, pair, state_, opened_.a >= 0);
     if (event.kind == Kind::kInitialOverlap) {
-      event.toi_upper = event.toi_lower;
       event.normal = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
       event.normal_error = M_PI;
       event.closing_speed = event.normal.x();
