@@ -13,7 +13,6 @@ struct Row {
   std::string name;
   std::size_t count = 0;
   std::function<QuerySet(std::size_t)> queries;
-  std::string reference;                                       ///< for the table
   std::function<ContestantPtr(const QuerySet&)> reference_of;  ///< null result: not installed here
   double reach = 0.0;       ///< reference's time over ours that the row should reach
   bool same_motion = true;  ///< the reference answers the same question: the answers can be compared

@@ -1,5 +1,6 @@
 #include "collision_node/report/benchmarks/table.h"
 
+#include <cmath>
 #include <cstdio>
 
 namespace collision_node::report {
@@ -12,7 +13,8 @@ std::string format(const char* pattern, Values... values) {
   return text;
 }
 
-std::string faults(const Faults& side) {
+std::string faults(const Faults& side, bool late_judged) {
+  if (!late_judged) return format("%zu/%zu/-/%zu", side.missed, side.false_hits, side.undecided);
   std::string text = format("%zu/%zu/%zu/%zu", side.missed, side.false_hits, side.late, side.undecided);
   if (side.late > 0) text += " (late by " + readable(side.worst_late) + ")";
   return text;
@@ -31,7 +33,6 @@ Line lineOf(const Row& row, const RowOutcome& outcome) {
   Line line;
   line.row = row.name;
   line.ours = readable(outcome.ours.seconds);
-  line.reference_name = row.reference;
   line.reach = row.reach;
   const bool judged = outcome.reference && row.same_motion;
   const Comparison comparison =
@@ -39,10 +40,12 @@ Line lineOf(const Row& row, const RowOutcome& outcome) {
                        outcome.reference->stops_at_gap, outcome.reference->time_rounding)
              : compare(outcome.ours.answers, {}, kPrecision, 0.0, 0.0);
   line.quality = format("%zu of %zu | ", comparison.hits, outcome.ours.answers.size());
-  line.quality += judged ? faults(comparison.ours) : format("-/-/-/%zu", comparison.ours.undecided);
-  line.quality += " | " + (judged ? faults(comparison.reference) : std::string("-"));
+  line.quality += judged ? faults(comparison.ours, std::isfinite(outcome.reference->time_rounding))
+                         : format("-/-/-/%zu", comparison.ours.undecided);
+  line.quality += " | " + (judged ? faults(comparison.reference, true) : std::string("-"));
   line.quality += " | " + (judged ? readable(comparison.worst_error) : std::string("-"));
   if (outcome.reference) {
+    line.reference_name = outcome.reference->name;
     line.reference = readable(outcome.reference->seconds);
     line.ratio = outcome.reference->seconds / outcome.ours.seconds;
   }
