@@ -24,6 +24,8 @@ class Certified : public PairMethod {
     return outcome;
   }
 
+  bool knowsTubes() const override { return true; }
+
   void finish(PairState& state, std::vector<PairEvent>& events) const override {
     if (state.phase != Phase::kUndecided || state.was_touching || state.published) return;
     const Piece& piece = state.last_piece;

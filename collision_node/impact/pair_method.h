@@ -44,6 +44,10 @@ struct Piece {
   Nanoseconds end_ns = 0;
   motion::RigidMotion a;  ///< each from its own track's two stamps, never re-interpolated
   motion::RigidMotion b;
+  /// [m] How far a point of A and one of B may be from where the motions put them, together. What is proved
+  /// holds for all such true motions; facts of a contact (features, normal) are the model's. Certified solver
+  /// only.
+  double tube = 0.0;
 };
 
 /// How far a piece is looked at.
@@ -122,6 +126,9 @@ class PairMethod {
   /// Never throws for numeric reasons.
   virtual PieceOutcome advance(const Piece& piece, PairState& state,
                                std::vector<PairEvent>& events) const = 0;
+
+  /// True when proofs take Piece::tube into account.
+  virtual bool knowsTubes() const { return false; }
 
   /// Nothing more will come (end of bag, flush): publishes an open undecided bracket as POSSIBLE, toi_upper
   /// at the last piece's end. An open contact stays open and makes no event.

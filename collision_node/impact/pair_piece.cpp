@@ -17,6 +17,7 @@ PairPiece::PairPiece(const Body& body_a, const Body& body_b, const Piece& piece,
   const double pose_error = motion.translationError() + motion.rotationErrorA() * a.reach() +
                             motion.rotationErrorB() * b.reach() + a.placingError() + b.placingError();
   point_error = 2.0 * pose_error + 64.0 * kUnit * (size + speed * motion.duration());
+  point_error += piece.tube * (1.0 + 4.0 * kUnit);  // a true point counts like a badly computed one
   // Seen from a frame that is off by an angle, everything at a distance is off by angle times distance, the
   // rate too.
   const double turned = (motion.rotationErrorA() + motion.rotationErrorB()) * size;

@@ -25,6 +25,7 @@ struct Instant {
 ///   any computed point difference b - a is within `point_error` of the exact one at the same t;
 ///   a computed separation value along an axis n(s) is within |n(s)| (point_error + s rate_error) of the
 ///   exact value.
+/// With a tube (Piece::tube) "exact" is the true motion, and the tube is part of point_error.
 struct PairPiece {
   PairPiece(const Body& a, const Body& b, const Piece& piece, double contact_distance);
 

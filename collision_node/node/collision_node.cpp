@@ -15,6 +15,9 @@ namespace collision_node::node {
 namespace {
 
 constexpr std::uint32_t kUnlimited = 0;
+/// Messages that may wait for the engine, by topic: minutes of a fast stream. What does not fit is lost, and
+/// counted by its number.
+constexpr std::uint32_t kInputQueue = 200000;
 constexpr double kDiagnosticsPeriod = 1.0;  // [s] of wall time: a paused simulation must not look dead
 
 ros::NodeHandle on(ros::CallbackQueue& queue, ros::NodeHandle handle) {
@@ -102,7 +105,7 @@ void CollisionNode::subscribe() {
   for (const auto& topic : router_->topics()) {
     ros::SubscribeOptions options;
     options.initByFullCallbackType<const ros::MessageEvent<Raw const>&>(
-        topic, kUnlimited,
+        topic, kInputQueue,
         [this, topic](const ros::MessageEvent<Raw const>& event) { onMessage(topic, event); });
     options.transport_hints = ros::TransportHints().tcpNoDelay();
     subscribers_.push_back(handle_.subscribe(options));
@@ -120,6 +123,7 @@ void CollisionNode::onMessage(const std::string& topic, const ros::MessageEvent<
   raw.md5sum = shifter.getMD5Sum();
   raw.data = bytes_.data();
   raw.size = static_cast<std::uint32_t>(bytes_.size());
+  gaps_.see(topic, event.getPublisherName(), raw);
   try {
     router_->handle(topic, raw);
   } catch (const messages::PoseError& error) {
@@ -143,13 +147,14 @@ void CollisionNode::onEvent(scene::Event event) {
   if (markers_out_.getNumSubscribers() > 0) markers_out_.publish(markers_->event(event));
 }
 
-scene::Stats CollisionNode::withRefused(scene::Stats stats) const {
+scene::Stats CollisionNode::withMessages(scene::Stats stats) const {
   stats.rejected += router_->refused();
+  stats.lost = gaps_.lost();
   return stats;
 }
 
 void CollisionNode::onStats(scene::Stats stats) {
-  stats = withRefused(std::move(stats));
+  stats = withMessages(std::move(stats));
   stats.epoch += first_epoch_;
   epoch_ = stats.epoch;
   const auto now = std::chrono::steady_clock::now();
@@ -170,8 +175,9 @@ void CollisionNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
   health.scene = scene_->file;
   health.epoch = epoch_;
   health.events = events_;
-  health.stats = withRefused(engine_->stats());
+  health.stats = withMessages(engine_->stats());
   health.faults = router_->faults();
+  health.lost = gaps_.lostByTopic();
   for (const auto& subscriber : subscribers_)
     if (subscriber.getTopic() != "/tf_static" && subscriber.getNumPublishers() == 0)
       health.without_publisher.push_back(subscriber.getTopic());

@@ -16,6 +16,7 @@
 
 #include "collision_node/messages/markers.h"
 #include "collision_node/messages/pose_router.h"
+#include "collision_node/messages/sequence_gaps.h"
 #include "collision_node/node/parameters.h"
 #include "collision_node/scene/engine.h"
 
@@ -43,7 +44,7 @@ class CollisionNode {
   void onMessage(const std::string& topic, const ros::MessageEvent<Raw const>& event);
   void watchClock();
   void onEvent(scene::Event event);
-  scene::Stats withRefused(scene::Stats stats) const;
+  scene::Stats withMessages(scene::Stats stats) const;
   void onStats(scene::Stats stats);
   void onMarkerSubscriber();
   void onDiagnosticsTimer(const ros::WallTimerEvent&);
@@ -63,6 +64,7 @@ class CollisionNode {
   std::unique_ptr<messages::Markers> markers_;
   std::unique_ptr<scene::Engine> engine_;
 
+  messages::SequenceGaps gaps_;
   std::vector<std::uint8_t> bytes_;
   ros::Time last_clock_;
   std::chrono::steady_clock::time_point last_heartbeat_;

@@ -33,6 +33,7 @@ void judge(const Health& health, Status& status) {
   if (!silent.empty()) raise(Status::WARN, silent);
   if (stats.rejected > 0) raise(Status::WARN, "poses rejected: not finite, or no unit quaternion");
   if (stats.late > 0) raise(Status::WARN, "poses dropped: later than time.reorder allows");
+  if (!health.lost.empty()) raise(Status::WARN, "messages lost on " + health.lost.begin()->first);
 }
 
 }  // namespace
@@ -59,8 +60,10 @@ Status diagnose(const Health& health) {
   add("late", std::to_string(stats.late));
   add("duplicate", std::to_string(stats.duplicate));
   add("rejected", std::to_string(stats.rejected));
+  add("lost", std::to_string(stats.lost));
   for (const auto& name : stats.uncovered_objects) add("uncovered", name);
   for (const auto& topic : health.without_publisher) add("without publisher", topic);
+  for (const auto& [topic, count] : health.lost) add("lost on " + topic, std::to_string(count));
   for (const auto& [topic, faults] : health.faults) {
     if (faults.refused > 0) add("refused on " + topic, std::to_string(faults.refused));
     if (faults.rejected > 0) add("rejected on " + topic, std::to_string(faults.rejected));

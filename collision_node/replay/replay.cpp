@@ -11,6 +11,7 @@
 #include "collision_node/messages/event_text.h"
 #include "collision_node/messages/pose_router.h"
 #include "collision_node/messages/resources.h"
+#include "collision_node/messages/sequence_gaps.h"
 #include "collision_node/replay/bag_input.h"
 #include "collision_node/replay/outputs.h"
 #include "collision_node/replay/progress.h"
@@ -65,7 +66,7 @@ class Run {
       budget_met_ = budget_met_ || event.reason == impact::Reason::kBudget;
       outputs_->event(event);
     };
-    sinks.stats = [this](const scene::Stats& stats) { heartbeat(withRefused(stats)); };
+    sinks.stats = [this](const scene::Stats& stats) { heartbeat(withMessages(stats)); };
     engine_ = std::make_unique<scene::Engine>(scene_, options.method, sinks);
   }
 
@@ -79,6 +80,7 @@ class Run {
                          now_ = m.getTime();
                          progress.at(now_);
                          outputs_->input(m);
+                         gaps_.see(m.getTopic(), m.getCallerId(), raw);
                          try {
                            router_.handle(m.getTopic(), raw);
                          } catch (const messages::PoseError&) {
@@ -88,7 +90,7 @@ class Run {
     engine_->flush();
     progress.finish();
     checkRefusals();
-    const scene::Stats last = withRefused(engine_->stats());
+    const scene::Stats last = withMessages(engine_->stats());
     budget_met_ = budget_met_ || last.budget_met > 0;
     outputs_->end();
     if (options_.jsonl != "-") printSummary(out_, outputs_->events(), last, silentObjects());
@@ -135,8 +137,9 @@ class Run {
     }
   }
 
-  scene::Stats withRefused(scene::Stats stats) const {
+  scene::Stats withMessages(scene::Stats stats) const {
     stats.rejected += router_.refused();
+    stats.lost = gaps_.lost();
     return stats;
   }
 
@@ -156,6 +159,7 @@ class Run {
   BagInput input_;
   std::vector<bool> heard_;  // by object
   messages::PoseRouter router_;
+  messages::SequenceGaps gaps_;
   std::unique_ptr<Outputs> outputs_;
   std::unique_ptr<scene::Engine> engine_;
   ros::Time now_;

@@ -360,7 +360,10 @@ Stats Engine::Impl::stats() const {
   stats.epoch = time_line_.epoch();
   stats.stamp_ns = time_line_.newestReleased().value_or(0);
   stats.has_watermark = time_line_.watermark().has_value();
-  if (stats.has_watermark) stats.watermark_ns = decidedUpTo().ns;
+  if (stats.has_watermark) {
+    stats.watermark_ns = decidedUpTo().ns;
+    stats.latency = motion::secondsBetween(stats.watermark_ns, time_line_.newestDelivered());
+  }
   stats.node_tests = costs_.node_tests;
   stats.subdivisions = costs_.subdivisions;
   stats.budget_met = costs_.budget_met;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -57,6 +58,7 @@ struct Stats {
   Nanoseconds watermark_ns =
       0;  ///< everything before it is decided and published; meaningless unless has_watermark
   bool has_watermark = false;
+  double latency = std::numeric_limits<double>::quiet_NaN();  ///< [s] newest stamp delivered - watermark
   std::uint64_t pairs_culled = 0, pairs_clear = 0, pairs_impact = 0,
                 pairs_undecided = 0;  ///< with pairs_uncovered: all watched pairs
   std::uint64_t pairs_uncovered = 0;  ///< for some of the time since the last heartbeat, or all of it

@@ -306,12 +306,17 @@ class ObjectReader {
     if (const auto value = reader_.real("angular_acceleration", notNegative("rad/s^2"))) {
       object_.angular_acceleration = *value;
     }
-    for (const char* key : {"acceleration", "angular_acceleration"}) {
-      if (reader_.has(key)) {
-        warnings_.push_back(object_.name + ": " + key +
-                            " is not used yet: the model_ fields of events stay NaN; leave it out");
-      }
-    }
+    if (object_.source.type == PoseSource::Type::kTf &&
+        (reader_.has("acceleration") || reader_.has("angular_acceleration")))
+      warnings_.push_back(
+          object_.name +
+          ": a pose from tf may be composed of several, at whose stamps the body need not have "
+          "been there; accelerations are not used, the model_ fields of events stay NaN");
+    const bool asks_turning = reader_.has("angular_acceleration");
+    if (asks_turning && !reader_.has("max_spin"))
+      warnings_.push_back(object_.name +
+                          ": angular_acceleration says nothing without max_spin: the model_ fields of events "
+                          "stay NaN, and events are UNCERTIFIED, reason ALIAS");
   }
 
   // ---- zones

@@ -46,31 +46,42 @@ EventSide makeSide(const Object& object, const Link& link, const impact::Side& f
 
 PairWatch::PairWatch(const Scene& scene, const LinkPair& pair, int rank,
                      std::unique_ptr<impact::PairMethod> method)
-    : scene_(scene), pair_(pair), rank_(rank), method_(std::move(method)) {}
+    : scene_(scene),
+      pair_(pair),
+      rank_(rank),
+      method_(std::move(method)),
+      model_(*method_, scene.objects[pair.object_a].links[pair.link_a].body->reach(),
+             scene.objects[pair.object_b].links[pair.link_b].body->reach(), pair.contact_distance) {}
 
 void PairWatch::advance(const Step& step, EventQueue& queue, Costs& costs) {
   std::vector<impact::PairEvent> events;
   const impact::PieceOutcome outcome = method_->advance(step.piece, state_, events);
-  costs.node_tests += outcome.node_tests;
-  costs.subdivisions += outcome.subdivisions;
-  if (outcome.budget_met) ++costs.budget_met;
+  const impact::PieceOutcome with_error = model_.advance(step);
+  costs.node_tests += outcome.node_tests + with_error.node_tests;
+  costs.subdivisions += outcome.subdivisions + with_error.subdivisions;
+  if (outcome.budget_met || with_error.budget_met) ++costs.budget_met;
   is_swept_ = true;
-  last_ = outcome.answer;
-  worst_ = worst_ ? std::max(*worst_, outcome.answer) : outcome.answer;
+  // What is clear of contact as modelled, but not certainly so, is not clear.
+  const bool is_sure = step.doubt == impact::Reason::kNone && !model_.isUndecided();
+  last_ = outcome.answer == impact::Answer::kClear && !is_sure ? impact::Answer::kUndecided : outcome.answer;
+  worst_ = worst_ ? std::max(*worst_, last_) : last_;
 
   // An event whose bracket opened on an earlier piece carries what was wrong there too.
   const Context here = contextOf(step);
   const Context carried{worseDoubt(bracket_.doubt, here.doubt), std::max(bracket_.speed_a, here.speed_a),
                         std::max(bracket_.speed_b, here.speed_b)};
   for (const impact::PairEvent& event : events)
-    publish(event, event.interval_start_ns < step.piece.start_ns ? carried : here, queue);
-  bracket_ = state_.phase == Phase::kUndecided ? carried : Context();
+    publish(event, event.interval_start_ns < step.piece.start_ns ? carried : here);
+  letGo(carried, queue);
+  bracket_ = state_.phase == Phase::kUndecided || model_.isUndecided() ? carried : Context();
 }
 
 void PairWatch::interrupt(impact::Reason reason, EventQueue& queue) {
   std::vector<impact::PairEvent> events;
   method_->interrupt(state_, reason, events);
-  for (const impact::PairEvent& event : events) publish(event, bracket_, queue);
+  model_.interrupt();
+  for (const impact::PairEvent& event : events) publish(event, bracket_);
+  letGo(bracket_, queue);
   forgetContact();
   is_swept_ = false;
   // The end of an epoch is no hole in it: nothing is known to follow.
@@ -80,7 +91,9 @@ void PairWatch::interrupt(impact::Reason reason, EventQueue& queue) {
 void PairWatch::finish(EventQueue& queue) {
   std::vector<impact::PairEvent> events;
   method_->finish(state_, events);
-  for (const impact::PairEvent& event : events) publish(event, bracket_, queue);
+  model_.finish();
+  for (const impact::PairEvent& event : events) publish(event, bracket_);
+  letGo(bracket_, queue);
 }
 
 void PairWatch::startOver() {
@@ -93,11 +106,19 @@ void PairWatch::forgetContact() {
   state_ = impact::PairState();
   bracket_ = Context();
   contact_.reset();
+  model_.startOver();
 }
 
 std::optional<Instant> PairWatch::openSince() const {
-  if (state_.phase != Phase::kUndecided || state_.published) return std::nullopt;
-  return instantAt(state_.pending.interval_start_ns, state_.pending.toi_lower);
+  std::optional<Instant> first = model_.openSince();
+  const auto take = [&](const Instant& other) {
+    if (!first || other < *first) first = other;
+  };
+  if (state_.phase == Phase::kUndecided && !state_.published)
+    take(instantAt(state_.pending.interval_start_ns, state_.pending.toi_lower));
+  if (!waiting_.empty())
+    take(instantAt(waiting_.front().event.interval_start_ns, waiting_.front().event.toi_lower));
+  return first;
 }
 
 std::optional<impact::Answer> PairWatch::worstAnswer() const {
@@ -119,8 +140,38 @@ PairWatch::Context PairWatch::contextOf(const Step& step) const {
   return {step.doubt, speedBound(step.piece.a, *a.body), speedBound(step.piece.b, *b.body)};
 }
 
-void PairWatch::publish(const impact::PairEvent& event, const Context& context, EventQueue& queue) {
-  queue.push(rank_, makeEvent(event, context), contactOf(event));
+void PairWatch::publish(const impact::PairEvent& event, const Context& context) {
+  waiting_.push_back({event, makeEvent(event, context), contactOf(event)});
+  model_.note(event);
+}
+
+/// To the queue: all that need not wait for the model's error, and what the error alone makes possible.
+void PairWatch::letGo(const Context& context, EventQueue& queue) {
+  while (!waiting_.empty()) {
+    Waiting& first = waiting_.front();
+    if (first.from.kind == impact::Kind::kImpact) {
+      const std::optional<ModelWatch::Answer> answer = model_.answer(first.from);
+      if (!answer) break;
+      fillModel(first.event, *answer);
+    }
+    queue.push(rank_, first.event, first.contact);
+    waiting_.pop_front();
+  }
+  for (const impact::PairEvent& miss : model_.takeNearMisses()) {
+    Event event = makeEvent(miss, context);
+    if (miss.kind == impact::Kind::kImpact) {
+      if (const auto answer = model_.answer(miss)) fillModel(event, *answer);
+    }
+    queue.push(rank_, event, std::make_shared<ContactNumber>());
+  }
+  if (waiting_.empty()) model_.forgetEnded();
+}
+
+void PairWatch::fillModel(Event& event, const ModelWatch::Answer& answer) const {
+  if (event.certificate == impact::Certificate::kUncertified) return;
+  event.model_toi_lower = answer.toi_lower;
+  event.model_toi_upper = answer.toi_upper;
+  event.model_position_error = answer.position_error;
 }
 
 Event PairWatch::makeEvent(const impact::PairEvent& from, const Context& context) const {

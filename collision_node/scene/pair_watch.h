@@ -1,10 +1,13 @@
 /// One watched pair of links: its method, what is known of it, and its events on their way to the queue.
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "collision_node/scene/event_queue.h"
+#include "collision_node/scene/model_watch.h"
 #include "collision_node/scene/pieces.h"
 #include "collision_node/scene/scene.h"
 
@@ -30,7 +33,7 @@ class PairWatch {
   void startOver();
 
   bool isTouching() const { return state_.phase == impact::PairState::Phase::kTouching; }
-  /// Lower end of the bracket that is still being searched and not published yet.
+  /// Lower end of what is still being searched and not published yet.
   std::optional<Instant> openSince() const;
 
   /// The worst answer since clearAnswer(); without a piece since then, what the last pieces left. Nothing
@@ -47,9 +50,18 @@ class PairWatch {
     double speed_a = 0.0, speed_b = 0.0;  ///< [m/s] upper bounds over the link
   };
 
+  /// An event that waits for what the motion model's error makes of it, and those of the pair behind it.
+  struct Waiting {
+    impact::PairEvent from;
+    Event event;
+    std::shared_ptr<ContactNumber> contact;
+  };
+
   void forgetContact();
+  void letGo(const Context& context, EventQueue& queue);
+  void fillModel(Event& event, const ModelWatch::Answer& answer) const;
   Context contextOf(const Step& step) const;
-  void publish(const impact::PairEvent& event, const Context& context, EventQueue& queue);
+  void publish(const impact::PairEvent& event, const Context& context);
   Event makeEvent(const impact::PairEvent& from, const Context& context) const;
   std::shared_ptr<ContactNumber> contactOf(const impact::PairEvent& event);
 
@@ -60,6 +72,8 @@ class PairWatch {
   impact::PairState state_;
   Context bracket_;  ///< over all pieces that an open bracket has seen
   std::shared_ptr<ContactNumber> contact_;
+  ModelWatch model_;
+  std::deque<Waiting> waiting_;
   std::optional<impact::Answer> worst_;
   impact::Answer last_ = impact::Answer::kCulled;
   bool is_swept_ = false;  ///< there was a piece since the start or the last break

@@ -75,6 +75,8 @@ Step PieceCursor::next(const Track& a, const Track& b, Nanoseconds rest_known_ns
 
   step.what = Step::What::kPiece;
   step.doubt = worseDoubt(reach_a.doubt, reach_b.doubt);
+  step.error_a = reach_a.error;
+  step.error_b = reach_b.error;
   step.piece = {at_ns_, end, motionOf(a, a_, reach_a), motionOf(b, b_, reach_b)};
   at_ns_ = end;
   if (reach_a.what == What::kMoves && reach_a.until_ns == end) ++a_;

@@ -14,6 +14,7 @@ struct Step {
   enum class What : std::uint8_t { kWait, kPiece, kBreak } what = What::kWait;
   impact::Piece piece;  ///< kPiece; adjoins the piece before, or is the first after a kBreak
   impact::Reason doubt = impact::Reason::kNone;   ///< kPiece: why events on it may not be certified
+  motion::ModelError error_a, error_b;            ///< kPiece: of each side's motion
   impact::Reason reason = impact::Reason::kNone;  ///< kBreak: nothing is swept from the last piece on
   bool a_broke = false, b_broke = false;          ///< kBreak: whose poses broke off
 };

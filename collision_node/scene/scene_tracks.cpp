@@ -30,7 +30,8 @@ Track makeTrack(const Object& object, const TimeOptions& time) {
   options.motion = object.motion;
   options.on_timeout = object.on_timeout;
   options.max_speed = object.max_speed;
-  options.max_spin = object.max_spin;
+  options.poses_are_composed = object.source.type == PoseSource::Type::kTf;
+  options.bounds = {object.acceleration, object.angular_acceleration, object.max_spin};
   options.reorder_ns = toNanoseconds(time.reorder);
   options.max_gap_ns = toNanoseconds(time.max_gap);
   options.jump_ns = toNanoseconds(time.jump);

@@ -1,6 +1,7 @@
 #include "collision_node/scene/segment.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace collision_node::scene {
 
@@ -24,22 +25,49 @@ bool spinIsDoubtful(const motion::StampedPose& from, const motion::StampedPose& 
          (motion.omega - mean_rate).norm() * h > kQuarterTurn;
 }
 
+/// The tube that the bounds imply, and what a source says of poses that it composed.
+motion::ModelError errorOf(const motion::StampedPose& from, const motion::StampedPose& to, double h,
+                           bool cubic, const motion::MotionBounds& bounds) {
+  motion::ModelError error;
+  const bool straight_asked = !std::isnan(bounds.acceleration);
+  const bool turning_asked = !std::isnan(bounds.angular_acceleration);
+  const bool composed = to.model_position > 0.0 || to.model_angle > 0.0;
+  error.asked = straight_asked || turning_asked || composed;
+  if (straight_asked)
+    error.position = cubic ? motion::cubicError(bounds.acceleration, from, to)
+                           : motion::straightError(bounds.acceleration, h);
+  if (turning_asked) error.angle = motion::slerpError(bounds.angular_acceleration, bounds.max_spin, h);
+  if (composed) {
+    // A composed pose need not be where the body was: bounds between true poses do not speak of it.
+    if (bounds.areAsked() || !std::isfinite(to.model_position) || !std::isfinite(to.model_angle))
+      return motion::unknownError();
+    error.position = to.model_position;
+    error.angle = to.model_angle;
+  }
+  return error;
+}
+
 }  // namespace
 
-Segment makeSegment(MotionModel model, const motion::StampedPose& from, const motion::StampedPose& to) {
+Segment makeSegment(MotionModel model, const motion::StampedPose& from, const motion::StampedPose& to,
+                    const motion::MotionBounds& bounds) {
   const double h = motion::secondsBetween(from.stamp_ns, to.stamp_ns);
   const bool has_twists = from.has_twist && to.has_twist;
   Segment segment;
-  bool doubtful;
+  bool doubtful, cubic = false;
   if (model == MotionModel::kSpin && has_twists) {
     segment.motion = motion::spin(from, to);
     doubtful = spinIsDoubtful(from, to, h, segment.motion);
   } else {
-    const bool curved = model == MotionModel::kHermite && has_twists;
-    segment.motion = curved ? motion::hermite(from, to) : motion::straightSlerp(from, to);
+    cubic = model == MotionModel::kHermite && has_twists;
+    segment.motion = cubic ? motion::hermite(from, to) : motion::straightSlerp(from, to);
     doubtful = turnsTooFarForSlerp(from, to, h) || (model != MotionModel::kSlerp && !has_twists);
   }
+  const bool needs_limit = !std::isnan(bounds.angular_acceleration);
+  const bool limit_says_much = std::isfinite(bounds.max_spin) && !has_twists;
+  if ((needs_limit || limit_says_much) && motion::mayAlias(bounds.max_spin, h)) doubtful = true;
   if (doubtful) segment.doubt = impact::Reason::kAlias;
+  segment.error = errorOf(from, to, h, cubic, bounds);
   return segment;
 }
 

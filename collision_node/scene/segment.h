@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "collision_node/impact/pair_method.h"
+#include "collision_node/motion/model_error.h"
 #include "collision_node/motion/rigid_motion.h"
 #include "collision_node/scene/scene.h"
 
@@ -14,6 +15,7 @@ namespace collision_node::scene {
 struct Segment {
   motion::RigidMotion motion;
   impact::Reason doubt = impact::Reason::kNone;
+  motion::ModelError error;  ///< how far the object may be from the motion; no bound while there is a doubt
 };
 
 /// Nothing is known of an object from `after_ns` on: a gap or a teleport (GAP), or it went silent (TIMEOUT).
@@ -27,9 +29,12 @@ inline bool operator<(const Hole& l, const Hole& r) {
 }
 
 /// Requires from.stamp_ns < to.stamp_ns. The doubt is ALIAS when the twists contradict the model: more than
-/// half a turn between two poses (slerp, hermite), more than a quarter turn of disagreement (spin), or no
-/// twist where the model needs one (hermite, spin: slerp is taken instead).
-Segment makeSegment(MotionModel model, const motion::StampedPose& from, const motion::StampedPose& to);
+/// half a turn between two poses (slerp, hermite), more than a quarter turn of disagreement (spin), no
+/// twist where the model needs one (hermite, spin: slerp is taken instead); and when nobody can tell which
+/// way round the body went: it may turn by half a turn (max_spin h >= pi), and there is no twist to say more
+/// or a bound of the model's error is asked.
+Segment makeSegment(MotionModel model, const motion::StampedPose& from, const motion::StampedPose& to,
+                    const motion::MotionBounds& bounds = {});
 
 /// The doubt that wins when several hold: guessed stamps, then alias, then timeout.
 impact::Reason worseDoubt(impact::Reason a, impact::Reason b);

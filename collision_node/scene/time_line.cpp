@@ -107,6 +107,13 @@ void TimeLine::updateWatermark() {
   watermark_ = watermark_ ? std::max(*watermark_, *smallest) : *smallest;
 }
 
+Nanoseconds TimeLine::newestDelivered() const {
+  Nanoseconds newest = newest_.value_or(*watermark_);
+  for (const Track& track : tracks_)
+    if (track.status() == Track::Status::kLive) newest = std::max(newest, track.newest());
+  return newest;
+}
+
 // ---- epochs
 
 bool TimeLine::epochIsOver() const {

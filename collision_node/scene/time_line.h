@@ -45,6 +45,8 @@ class TimeLine {
   std::optional<Nanoseconds> watermark() const { return watermark_; }
   std::optional<Nanoseconds> firstReleased() const { return first_; }
   std::optional<Nanoseconds> newestReleased() const { return newest_; }
+  /// Released or not. Requires a watermark.
+  Nanoseconds newestDelivered() const;
   const std::vector<Track>& tracks() const { return tracks_; }
   /// Tracks that have released something or changed their status since the last call, ascending.
   std::vector<int> takeChanged();

@@ -16,7 +16,7 @@ bool isTeleport(const TrackOptions& options, const motion::StampedPose& from, co
                 const motion::RigidMotion& motion) {
   const double h = motion::secondsBetween(from.stamp_ns, to.stamp_ns);
   return (to.pose.position - from.pose.position).norm() > options.max_speed * h ||
-         motion.omega.norm() > options.max_spin;
+         motion.omega.norm() > options.bounds.max_spin;
 }
 
 }  // namespace
@@ -136,7 +136,9 @@ void Track::release(const Arrival& arrival) {
     } else if (arrival.pose.stamp_ns - *last_released_ > options_.max_gap_ns) {
       sample.join = Join::kGap;
     } else {
-      sample.segment = makeSegment(options_.motion, before.pose, arrival.pose);
+      sample.segment = makeSegment(options_.motion, before.pose, arrival.pose, options_.bounds);
+      if (options_.poses_are_composed && options_.bounds.areAsked())
+        sample.segment.error = motion::unknownError();
       const bool teleport = isTeleport(options_, before.pose, arrival.pose, sample.segment.motion);
       sample.join = teleport ? Join::kGap : Join::kJoined;
       if (before.guessed || arrival.guessed) sample.segment.doubt = impact::Reason::kStampGuessed;
@@ -305,6 +307,7 @@ Reach Track::reach(std::size_t index) const {
     reach.until_ns = next.pose.stamp_ns;
     reach.motion = &next.segment.motion;
     reach.doubt = next.segment.doubt;
+    reach.error = next.segment.error;
     return reach;
   }
   const bool ended = closed_ns_ || epoch_ > scene_epoch_;

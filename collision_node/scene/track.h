@@ -39,7 +39,8 @@ struct TrackOptions {
   MotionModel motion = MotionModel::kSlerp;
   OnTimeout on_timeout = OnTimeout::kDrop;
   double max_speed = std::numeric_limits<double>::infinity();  ///< [m/s] faster is a teleport
-  double max_spin = std::numeric_limits<double>::infinity();   ///< [rad/s]
+  motion::MotionBounds bounds;                                 ///< more spin than that is a teleport, too
+  bool poses_are_composed = false;  ///< of several transforms: the bounds do not speak of them
   Nanoseconds reorder_ns = 0, max_gap_ns = 0, jump_ns = 0;
 };
 
@@ -62,6 +63,7 @@ struct Reach {
   const motion::RigidMotion* motion = nullptr;  ///< kMoves
   impact::Reason reason = impact::Reason::kNone;
   impact::Reason doubt = impact::Reason::kNone;
+  motion::ModelError error;    ///< of the motion; none at rest, unless the rest is a guess
   bool guess_of_rest = false;  ///< kStill because the source went silent: known no further than the watermark
 };
 

@@ -25,6 +25,16 @@ class Children:
         self.running.append((command[0], child))
         return child
 
+    def stop(self, child):
+        """Ends one as Ctrl-C would, and waits for it."""
+        self.running = [(name, other) for name, other in self.running if other is not child]
+        os.killpg(child.pid, signal.SIGINT)
+        try:
+            child.wait(30)
+        except subprocess.TimeoutExpired:
+            os.killpg(child.pid, signal.SIGKILL)
+            sys.exit('a process did not end in 30 s')
+
     def check(self):
         for name, child in self.running:
             if child.poll() is not None:

@@ -55,6 +55,17 @@ TEST(Diagnostics, refusedMessagesAreAnErrorAndCountedByTopic) {
   EXPECT_EQ(valueOf(status, "rejected"), "5");
 }
 
+TEST(Diagnostics, namesTheTopicThatLosesMessages) {
+  Health health = watching();
+  health.stats.lost = 7;
+  health.lost["/ball/pose"] = 7;
+  const Status status = diagnose(health);
+  EXPECT_EQ(status.level, Status::WARN);
+  EXPECT_EQ(status.message, "messages lost on /ball/pose");
+  EXPECT_EQ(valueOf(status, "lost on /ball/pose"), "7");
+  EXPECT_EQ(valueOf(status, "lost"), "7");
+}
+
 TEST(Diagnostics, warnsOfSilentObjectsAndLatePoses) {
   Health health = watching();
   health.stats.late = 1;

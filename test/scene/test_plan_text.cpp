@@ -69,14 +69,13 @@ TEST_F(PlanText, SaysWhatIsNotNeeded) {
   }
 }
 
-TEST_F(PlanText, SaysThatAccelerationIsNotUsedYet) {
+TEST_F(PlanText, SaysThatABoundOfTurningNeedsALimitOfTheSpin) {
   const std::string plan = planText(*load(R"(
 objects:
   a: {point: {}, pose: {topic: a}, acceleration: 5, angular_acceleration: 0.1}
-  b: {point: {}, pose: {topic: b}}
+  b: {point: {}, pose: {topic: b}, acceleration: 5, angular_acceleration: 0.1, max_spin: 3}
 )"));
-  EXPECT_HAS(plan, "warnings (2):\n  a: acceleration is not used yet: the model_ fields of events stay NaN");
-  EXPECT_HAS(plan, "  a: angular_acceleration is not used yet");
+  EXPECT_HAS(plan, "warnings (1):\n  a: angular_acceleration says nothing without max_spin");
 }
 
 TEST_F(PlanText, SaysWhatAPairThatCannotMoveIsAskedAndWhen) {

@@ -173,7 +173,7 @@ TEST(Track, NothingIsSweptThroughATeleport) {
   EXPECT_EQ(released(track), Stamps({0, 100, -1, 200}));
 
   with = options();
-  with.max_spin = 1.0;
+  with.bounds.max_spin = 1.0;
   Track turning(with);
   motion::StampedPose turned = at(100);
   turned.pose.orientation = geometry::Quat(Eigen::AngleAxisd(0.11, Vec3::UnitZ()));
