@@ -169,7 +169,6 @@ IntervalStats toMessage(const scene::Stats& stats, const std::string& world_fram
   out.duplicate = stats.duplicate;
   out.rejected = stats.rejected;
   out.lost = stats.lost;
-  out.latency = stats.latency;
   out.node_tests = stats.node_tests;
   out.subdivisions = stats.subdivisions;
   out.worst_bracket = stats.worst_bracket;

@@ -53,6 +53,7 @@ Status diagnose(const Health& health) {
   const scene::Stats& stats = health.stats;
   add("scene", health.scene);
   add("watermark", stats.has_watermark ? messages::secondsText(stats.watermark_ns) : "none yet");
+  if (stats.has_watermark) add("latency", std::to_string(stats.latency) + " s");
   add("epoch", std::to_string(health.epoch));
   add("events", std::to_string(health.events));
   add("accepted", std::to_string(stats.accepted));

@@ -148,7 +148,9 @@ std::optional<ModelWatch::Answer> ModelWatch::answer(const impact::PairEvent& ev
   const Approach* last = nullptr;
   for (const Approach& approach : approaches_)
     if (!(upper < approach.lower)) last = &approach;
-  if (!last || (last->has_ended && last->upper < lower && !last->confirmed)) return answer;
+  const bool reaches =
+      last && (last->confirmed || last->has_given_up || !last->has_ended || !(last->upper < lower));
+  if (!reaches) return answer;
   const double begin = secondsFrom(event.interval_start_ns, last->event, last->event.toi_lower, -kInfinity);
   answer.toi_lower = std::min(begin, event.toi_lower);
   if (last->upper < lower) return answer;  // the approach began with an earlier impact

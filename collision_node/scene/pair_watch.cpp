@@ -62,9 +62,11 @@ void PairWatch::advance(const Step& step, EventQueue& queue, Costs& costs) {
   if (outcome.budget_met || with_error.budget_met) ++costs.budget_met;
   is_swept_ = true;
   // What is clear of contact as modelled, but not certainly so, is not clear.
-  const bool is_sure = step.doubt == impact::Reason::kNone && !model_.isUndecided();
-  last_ = outcome.answer == impact::Answer::kClear && !is_sure ? impact::Answer::kUndecided : outcome.answer;
-  worst_ = worst_ ? std::max(*worst_, last_) : last_;
+  is_sure_ = step.doubt == impact::Reason::kNone && !model_.isUndecided();
+  last_ = outcome.answer;
+  const bool seems_clear = last_ == impact::Answer::kCulled || last_ == impact::Answer::kClear;
+  const impact::Answer answer = seems_clear && !is_sure_ ? impact::Answer::kUndecided : last_;
+  worst_ = worst_ ? std::max(*worst_, answer) : answer;
 
   // An event whose bracket opened on an earlier piece carries what was wrong there too.
   const Context here = contextOf(step);
@@ -100,6 +102,7 @@ void PairWatch::startOver() {
   forgetContact();
   worst_.reset();
   is_swept_ = had_hole_ = false;
+  is_sure_ = true;
 }
 
 void PairWatch::forgetContact() {
@@ -125,7 +128,7 @@ std::optional<impact::Answer> PairWatch::worstAnswer() const {
   if (had_hole_ || (!is_swept_ && !worst_)) return std::nullopt;
   if (worst_) return *worst_;
   if (state_.phase == Phase::kTouching) return impact::Answer::kImpact;
-  if (state_.phase == Phase::kUndecided) return impact::Answer::kUndecided;
+  if (state_.phase == Phase::kUndecided || !is_sure_) return impact::Answer::kUndecided;
   return std::min(last_, impact::Answer::kClear);
 }
 

@@ -76,6 +76,7 @@ class PairWatch {
   std::deque<Waiting> waiting_;
   std::optional<impact::Answer> worst_;
   impact::Answer last_ = impact::Answer::kCulled;
+  bool is_sure_ = true;    ///< nothing casts doubt on the last piece's answer
   bool is_swept_ = false;  ///< there was a piece since the start or the last break
   bool had_hole_ = false;  ///< since clearAnswer(): nothing was swept for a while
 };

@@ -41,7 +41,6 @@ TEST(Convert, statsCarryEveryCount) {
   s.duplicate = 10;
   s.rejected = 11;
   s.lost = 12;
-  s.latency = 0.25;
   s.node_tests = 13;
   s.subdivisions = 14;
   s.worst_bracket = 15;
@@ -63,7 +62,6 @@ TEST(Convert, statsCarryEveryCount) {
   EXPECT_EQ(m.duplicate, 10u);
   EXPECT_EQ(m.rejected, 11u);
   EXPECT_EQ(m.lost, 12u);
-  EXPECT_EQ(m.latency, 0.25);
   EXPECT_EQ(m.node_tests, 13u);
   EXPECT_EQ(m.subdivisions, 14u);
   EXPECT_EQ(m.worst_bracket, 15.0);

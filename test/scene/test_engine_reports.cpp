@@ -199,6 +199,37 @@ TEST(EngineStats, AStaticTestCoversTheWholeEpochHoweverLateItComes) {
   EXPECT_EQ(rig.beats[1].pairs_clear, 1u);
 }
 
+TEST(EngineStats, WhatIsInDoubtIsNeverClearNorCulled) {
+  Rig rig(sceneOf({fixedSphere("post", 0.0), movingSphere("visitor")}), impact::MethodName::kCertified);
+  for (Nanoseconds t = 0; t <= 3000; t += 100) rig.engine.addPose(1, poseAt(t, 50.0), true);
+  ASSERT_GE(rig.beats.size(), 2u);
+  for (const Stats& beat : rig.beats) {
+    EXPECT_EQ(beat.pairs_undecided, 1u);
+    EXPECT_EQ(beat.pairs_clear + beat.pairs_culled + beat.pairs_impact + beat.pairs_uncovered, 0u);
+  }
+}
+
+/// What a consumer knows from heartbeats alone: clear up to a watermark that moves, or nothing new.
+TEST(EngineStats, ClearUpToTheWatermarkIsToldFromNothingArrived) {
+  Rig rig(sceneOf({movingSphere("a"), movingSphere("b")}), impact::MethodName::kCertified);
+  rig.feedLine(0, 0, 5000, 100, 0.0, 0.0);
+  EXPECT_EQ(rig.beats.back().has_watermark, true);  // b is given up after `timeout`, and said to be uncovered
+  EXPECT_EQ(rig.beats.back().pairs_uncovered, 1u);
+  EXPECT_EQ(rig.beats.back().uncovered_objects, std::vector<std::string>{"b"});
+  Rig both(sceneOf({movingSphere("a"), movingSphere("b")}), impact::MethodName::kCertified);
+  for (Nanoseconds t = 0; t <= 5000; t += 100) {
+    both.engine.addPose(0, poseAt(t, 0.0));
+    both.engine.addPose(1, poseAt(t, 9.0));
+  }
+  const Stats& last = both.beats.back();
+  EXPECT_EQ(last.pairs_clear + last.pairs_culled, 1u);
+  EXPECT_EQ(last.stamp_ns, 4000 * kMs);
+  EXPECT_EQ(last.watermark_ns, 3900 * kMs);  // b's pose of that time is not there yet
+  // While nothing arrives the watermark stands.
+  EXPECT_EQ(both.engine.stats().watermark_ns, 4900 * kMs);
+  EXPECT_DOUBLE_EQ(both.engine.stats().latency, 0.1);
+}
+
 TEST(EngineStats, TheEndOfAnEpochIsNoHole) {
   Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
   rig.feedLine(0, 5000, 6500, 100, 0.0, 0.0);

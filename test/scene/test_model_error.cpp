@@ -235,6 +235,28 @@ TEST(EngineModelError, AnImpactDeeperThanTheTubeIsCertain) {
   EXPECT_TRUE(std::isnan(rig->events[1].model_toi_lower));  // only beginnings are bounded
 }
 
+TEST(EngineModelError, AnImpactLateInAnApproachThatWasLeftOpenKeepsItsLowerEnd) {
+  auto scene = std::make_shared<Scene>(*sceneOf({fixedSphere("post", 0.0), movingSphere("visitor")}));
+  scene->objects[1].acceleration = 2.0;
+  Rig rig(scene, impact::MethodName::kCertified);
+  // It waits for half a second 1 mm beside the post, inside the tube; then it brushes past and is gone.
+  Nanoseconds t = 0;
+  for (const double x : {-1.0, -0.05, -0.05, -0.05, -0.05, -0.05, 0.6, 1.2}) {
+    motion::StampedPose pose = poseAt(t, x);
+    pose.pose.position.y() = 0.9999;
+    rig.engine.addPose(1, pose);
+    t += 100;
+  }
+  rig.engine.flush();
+  ASSERT_EQ(kinds(rig.events), (std::vector<std::string>{"IMPACT/POSSIBLE/GRAZING", "IMPACT/CONFIRMED/NONE",
+                                                         "SEPARATION/CONFIRMED/NONE"}));
+  const Event& left_open = rig.events[0];
+  const Event& impact = rig.events[1];
+  EXPECT_NEAR(secondsOf(impact, impact.model_toi_lower), secondsOf(left_open, left_open.toi_lower), 1e-9);
+  EXPECT_TRUE(std::isnan(impact.model_toi_upper));
+  EXPECT_TRUE(std::isnan(left_open.model_position_error));
+}
+
 TEST(EngineModelError, WithoutALimitOfTheSpinABoundOfTurningIsAlias) {
   auto scene = std::make_shared<Scene>(*sceneOf({fixedSphere("post", 0.0), movingSphere("visitor")}));
   scene->objects[1].angular_acceleration = 1.0;
