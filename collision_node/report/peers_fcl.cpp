@@ -57,7 +57,8 @@ fcl::Transform3d transform(const geometry::Pose& pose) {
 /// Only the constructor that names the turning point sets every member and the velocities (FCL 0.7).
 fcl::InterpMotion<double> motionOf(const motion::RigidMotion& motion, double duration) {
   const fcl::Transform3d from = transform(motion.at(0.0)), to = transform(motion.at(duration));
-  fcl::InterpMotion<double> result(from.linear(), from.translation(), to.linear(), to.translation(), Vec3::Zero());
+  fcl::InterpMotion<double> result(from.linear(), from.translation(), to.linear(), to.translation(),
+                                   Vec3::Zero());
   result.integrate(0.0);
   return result;
 }
