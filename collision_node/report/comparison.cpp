@@ -29,7 +29,7 @@ Comparison compare(const std::vector<Answer>& ours, const std::vector<Answer>& r
     if (here && !there) ++result.ours.false_hits, ++result.reference.missed;
     if (!here || !there) continue;
     result.worst_error = std::max(result.worst_error, std::abs(a.toi_lower - b.toi_lower));
-    const double early = gap > 0.0 ? gap / std::max(a.closing_speed, 1e-300) : 0.0;
+    const double early = gap > 0.0 ? 2.0 * gap / std::max(a.closing_speed, 1e-300) : 0.0;
     addLate(result.ours, a.toi_lower - b.toi_upper, precision + early + rounding);
     addLate(result.reference, b.toi_lower - a.toi_upper, precision);
   }

@@ -25,7 +25,8 @@ struct Comparison {
 
 /// The reference is late when its time lies more than `precision` [s] after toi_upper, where contact is
 /// proved. Ours is late when toi_lower lies more than `precision` after the reference's time and what the
-/// reference says its time may be too early: `gap` [m] over the closing speed, and `rounding` [s].
+/// reference says its time may be too early: `gap` [m] over half the closing speed at the contact (paths
+/// curve), and `rounding` [s].
 Comparison compare(const std::vector<Answer>& ours, const std::vector<Answer>& reference, double precision,
                    double gap, double rounding);
 

@@ -41,8 +41,8 @@ TEST(Comparison, late_is_a_time_after_contact_on_the_other_side) {
 TEST(Comparison, ours_is_late_against_a_peer_that_stops_before_contact_only_by_more_than_it_stops) {
   const std::vector<Answer> ours = {hit(0.5, 0.5, 2.0)}, peer = {hit(0.25, 0.25)};
   EXPECT_EQ(compare(ours, peer, 0, 0, 0).ours.late, 1u);
-  EXPECT_EQ(compare(ours, peer, 0, 0.49, 0).ours.late, 1u);
-  EXPECT_EQ(compare(ours, peer, 0, 0.5, 0).ours.late, 0u);
+  EXPECT_EQ(compare(ours, peer, 0, 0.24, 0).ours.late, 1u);
+  EXPECT_EQ(compare(ours, peer, 0, 0.25, 0).ours.late, 0u);
   EXPECT_EQ(compare(ours, peer, 0, 0, 0.25).ours.late, 0u);
 }
 
