@@ -21,7 +21,7 @@ void RelativeMotion::Spin::set(const RigidMotion& m, double offset_s, double dur
   // 64: quaternion to matrix, Rodrigues' entries, two products, the placing of geometry in the object's
   // frame, and the slerp's rotation vector (absolute part). 16 theta: the angle's relative error, both of
   // omega and of the time.
-  error = kUnit * (64.0 + 16.0 * spin * (std::abs(offset) + duration));
+  error = kUnit * (64.0 + 16.0 * spin * (std::abs(offset) + duration)) + m.turn_error;
 }
 
 Mat3 RelativeMotion::Spin::at(double t) const {
@@ -64,8 +64,9 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
     d_[3] = b.c[3] - a.c[3];
   }
 
-  // Every term that was rounded, at its largest over both segments' shares of time. What both objects have in common
-  // never was, but for the rounding of each one's own velocity (difference, duration, quotient).
+  // Every term that was rounded, at its largest over both segments' shares of time. What both objects have in
+  // common never was, but for the rounding of each one's own coefficients: a line's velocity (difference,
+  // duration, quotient), and what a cubic's bend owes to the velocities it is computed from.
   const double reach = std::max(std::abs(oa), std::abs(ob)) + duration_;
   double magnitude = (b.c[0] - a.c[0]).norm() + d_[1].norm() * reach + (b.c[1] - a.c[1]).norm() * reach +
                      a.c[1].norm() * std::abs(shift);
@@ -74,7 +75,11 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
     power *= reach;
     magnitude += 4.0 * (a.c[k].norm() + b.c[k].norm()) * power;
   }
-  translation_error_ = 32.0 * kUnit * magnitude + 4.0 * kUnit * (a.c[1].norm() + b.c[1].norm()) * reach;
+  const auto ownRounding = [&](const RigidMotion& m) {
+    const bool straight = m.c[2].isZero(0.0) && m.c[3].isZero(0.0);
+    return (straight ? 4.0 : 64.0) * kUnit * m.c[1].norm() * reach;
+  };
+  translation_error_ = 32.0 * kUnit * magnitude + ownRounding(a) + ownRounding(b);
 
   const auto ownSpeed = [&](const RigidMotion& m, double offset) {
     const double until = std::abs(offset) + duration_;

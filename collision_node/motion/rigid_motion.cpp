@@ -1,5 +1,6 @@
 #include "collision_node/motion/rigid_motion.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace collision_node::motion {
@@ -9,6 +10,11 @@ namespace {
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kRoundedTurn =
     1e-14;  // [rad] what rounding two unit quaternions makes of equal orientations
+
+/// The step's quaternion is rounded by 7 u in all, so its axis is off by 7 u / sin(half the angle), and a
+/// turn about an axis that is off by delta, by whatever angle, moves a unit vector by 2 delta at most: 14 u
+/// of these 32.
+constexpr double kAxisError = 0x1p-48;
 
 /// A turn about a unit axis (world axes), 0 <= angle <= pi. The axis is zero when the angle is.
 struct Turn {
@@ -92,6 +98,8 @@ RigidMotion spin(const StampedPose& from, const StampedPose& to) {
   if (turn.angle <= kRoundedTurn && mean_rate.stableNorm() > 0.0) turn.axis = mean_rate.stableNormalized();
   const double turns = std::round((h * turn.axis.dot(mean_rate) - turn.angle) / kTwoPi);
   motion.omega = turn.axis * ((turn.angle + kTwoPi * turns) / h);
+  if (turns != 0.0 && turn.angle > kRoundedTurn)
+    motion.turn_error = std::min(2.0, kAxisError / std::sin(0.5 * turn.angle));
   return motion;
 }
 

@@ -16,6 +16,7 @@ struct RigidMotion {
   Vec3 c[4] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< [m], [m/s], [m/s^2], [m/s^3]
   Quat q0 = Quat::Identity();
   Vec3 omega = Vec3::Zero();  ///< [rad/s]
+  double turn_error = 0.0;    ///< [rad] what rounding may have made of the axis of several turns; see spin()
 
   /// world <- object at `s` seconds after start_ns; plain double evaluation, for reports, not for proofs.
   Pose at(double s) const;
@@ -35,8 +36,9 @@ RigidMotion straightSlerp(const StampedPose& from, const StampedPose& to);
 RigidMotion hermite(const StampedPose& from, const StampedPose& to);
 
 /// Straight line; orientation about the slerp axis with as many extra whole turns as the mean twist says.
-/// When the two orientations are equal up to rounding the axis is that of the mean twist. Requires
-/// from.stamp_ns < to.stamp_ns and a twist on both.
+/// When the two orientations are equal up to rounding the axis is that of the mean twist. Where they are
+/// nearly equal, their quaternions tell the axis badly, and `turn_error` says how badly: 2^-48 / sin(half the
+/// angle). Requires from.stamp_ns < to.stamp_ns and a twist on both.
 RigidMotion spin(const StampedPose& from, const StampedPose& to);
 
 }  // namespace collision_node::motion

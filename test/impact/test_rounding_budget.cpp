@@ -1,0 +1,300 @@
+/// The rounding budget of docs/solver.md, against the same expressions in 240 bits from the same doubles.
+/// Offsets to 1e8 m, sizes 1e-6 to 1e6 m, spins to 3333 rad per piece, straight and cubic paths. Prints the
+/// largest share of each budget that was used.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "collision_node/impact/gap_model.h"
+#include "test/impact/moving_pair.h"
+#include "test/oracle/interval_path.h"
+
+namespace collision_node::impact {
+namespace {
+
+using moving::Random;
+using moving::RigidMotion;
+using oracle::I3;
+using oracle::Interval;
+using oracle::interval3;
+using oracle::IntervalPath;
+using oracle::Mp;
+
+constexpr std::uint64_t kSeed = 20240812;
+
+/// Both motions of one piece; sizes of bodies and paths apart by up to twelve decades.
+Piece sweep(Random& random, double size) {
+  Piece piece;
+  const auto span = static_cast<motion::Nanoseconds>(random.decade(3, 9.5));
+  piece.start_ns = 1'700'000'000'000'000'000 + static_cast<motion::Nanoseconds>(random.in(0, 1e15));
+  piece.end_ns = piece.start_ns + span;
+  const double duration = 1e-9 * static_cast<double>(span);
+  const Vec3 world = moving::randomVec(random, random.chance(0.3) ? 0.0 : random.decade(0, 8));
+  const Vec3 common = moving::randomVec(random, random.chance(0.5) ? 0.0 : random.decade(0, 4.5));
+  const double path = size * random.decade(-2, 3);
+  for (RigidMotion* m : {&piece.a, &piece.b}) {
+    m->c[0] = world + moving::randomVec(random, size * random.decade(-1, 2));
+    m->q0 = random.orientation();
+    if (random.chance(0.1)) {
+      m->fixed = true;
+      continue;
+    }
+    const auto outside = [&] {
+      return static_cast<motion::Nanoseconds>((random.chance(0.4) ? 0.0 : random.decade(-3, 1.5)) *
+                                              static_cast<double>(span));
+    };
+    m->start_ns = piece.start_ns - outside();
+    m->end_ns = piece.end_ns + outside();
+    m->c[1] = common + moving::randomVec(random, path / duration);
+    if (random.chance(0.5)) {
+      m->c[2] = moving::randomVec(random, path / (duration * duration));
+      m->c[3] = moving::randomVec(random, path / (duration * duration * duration));
+    }
+    const double turn = random.chance(0.2)   ? 0.0
+                        : random.chance(0.5) ? random.decade(-9, 0)
+                                             : random.in(0, 3333);
+    m->omega = turn / duration * random.direction();
+  }
+  return piece;
+}
+
+geometry::PlacedShape bodyOf(Random& random, double size) {
+  const auto length = [&] { return size * random.decade(-1.5, 0); };
+  switch (random.below(4)) {
+    case 0:
+      return moving::placed(geometry::Sphere{length()});
+    case 1:
+      return moving::placed(geometry::Cylinder{length(), length()});
+    case 2:
+      return moving::placed(geometry::Box{{length(), length(), length()}});
+    default:
+      return moving::mesh(
+          {moving::randomVec(random, size), moving::randomVec(random, size), moving::randomVec(random, size)},
+          {{0, 1, 2}});
+  }
+}
+
+/// Exact support of the core along u, object frame.
+Interval supportOf(const Element& e, const I3& u) {
+  if (e.vertices != nullptr) {
+    Interval best = dotOf(u, interval3(e.vertices[0]));
+    for (int i = 1; i < e.count; ++i) {
+      const Interval at = dotOf(u, interval3(e.vertices[i]));
+      if (best.lo < at.lo) best.lo = at.lo;
+      if (best.hi < at.hi) best.hi = at.hi;
+    }
+    return best;
+  }
+  const I3 axis = interval3(e.axis);
+  Interval along = dotOf(u, axis);
+  const Interval across = lengthOf(minus(u, times(along, axis)));
+  if (along.hi.sign() <= 0) along = -along;
+  return dotOf(u, interval3(e.centre)) + Interval(e.half_length) * along + Interval(e.rim_radius) * across;
+}
+
+double upper(const Interval& v) { return v.hi.toDouble(MPFR_RNDU); }
+double largest(const Interval& v) { return std::max(upper(v), upper(-v)); }
+
+TEST(RoundingBudget, EveryPointDifferenceAndEveryGapValueIsWithinIt) {
+  // "any computed point difference b - a is within point_error of the exact one at the same t; a computed
+  // separation value along an axis n(s) is within |n(s)| (point_error + s rate_error) of the exact value."
+  double worst_point = 0, worst_gap = 0, worst_distance = 0;
+  for (int i = 0; i < 2500; ++i) {
+    Random random(kSeed, i);
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + " index " + std::to_string(i));
+    const double size = random.decade(-6, 6);
+    const Body a({bodyOf(random, size)}), b({bodyOf(random, size * random.decade(-6, 1))});
+    const Piece piece = sweep(random, size);
+    const PairPiece pair(a, b, piece, random.chance(0.3) ? 0.01 * size : 0.0);
+    const IntervalPath path_a(piece.a, piece.start_ns), path_b(piece.b, piece.start_ns);
+    const double duration = pair.motion.duration();
+    const double t = random.chance(0.2) ? 0.0 : random.chance(0.2) ? duration : random.in(0, duration);
+    const Instant now = pair.at(t);
+    const auto turn_a = path_a.turn(t), turn_b = path_b.turn(t);
+    const I3 d = minus(path_b.position(t), path_a.position(t)),
+             d_rate = minus(path_b.velocity(t), path_a.velocity(t));
+
+    Vec3 buffer_a[3], buffer_b[3];
+    const Element ea = a.element(0, buffer_a), eb = b.element(0, buffer_b);
+    const auto someCorner = [&](const Element& e) {
+      return e.vertices != nullptr ? e.vertices[random.below(e.count)]
+                                   : Vec3(e.centre + e.half_length * e.axis + Vec3(e.rim_radius, 0, 0));
+    };
+    const Vec3 x = someCorner(ea), y = someCorner(eb);
+    const Vec3 computed = (now.d + now.rb * y) - now.ra * x;
+    const I3 exact =
+        minus(plus(d, path_b.rotated(turn_b, interval3(y))), path_a.rotated(turn_a, interval3(x)));
+    const double off = upper(lengthOf(minus(interval3(computed), exact)));
+    worst_point = std::max(worst_point, off / pair.point_error);
+    ASSERT_LE(off, pair.point_error);
+    const double off_d = upper(lengthOf(minus(interval3(now.d), d)));
+    worst_distance = std::max(worst_distance, off_d / pair.motion.translationError());
+    ASSERT_LE(off_d, pair.motion.translationError());
+
+    // The gap model along an axis that turns up to a few times per piece, at an s of any size.
+    Axis axis;
+    axis.direction = random.direction();
+    axis.rate = random.chance(0.3)
+                    ? Vec3(Vec3::Zero())
+                    : Vec3((random.decade(-2, 1) / duration + pair.motion.spinA()) * random.direction());
+    axis.valid = true;
+    const double s = random.chance(0.2) ? 0.0 : (duration - t) * random.decade(-12, 0);
+    const GapModel model(pair, now, ea, eb, axis);
+    const I3 n0 = interval3(axis.direction), n1 = interval3(axis.rate), n = plus(n0, times(s, n1));
+    const auto support = [&](const Element& e, const IntervalPath& path, const IntervalPath::Turn& turn,
+                             bool minimum) {
+      // u = R^T (n0 + s (n1 + n0 x omega)), component by component: u_k = (R e_k) . (...)
+      I3 world = plus(n0, times(s, plus(n1, crossOf(n0, path.omega()))));
+      if (minimum) world = times(-1, world);
+      I3 u;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 unit = Vec3::Unit(k);
+        u[static_cast<std::size_t>(k)] = dotOf(path.rotated(turn, interval3(unit)), world);
+      }
+      return supportOf(e, u);
+    };
+    const Interval grown = Interval(ea.radius) + Interval(eb.radius) + Interval(pair.contact_distance);
+    const Interval linear = dotOf(n0, d) + Interval(s) * (dotOf(n1, d) + dotOf(n0, d_rate)) -
+                            support(ea, path_a, turn_a, false) - support(eb, path_b, turn_b, true) -
+                            grown * lengthOf(n);
+    const double length = upper(lengthOf(n));
+    const double budget = length * (pair.point_error + s * pair.rate_error);
+    const double said =
+        model.at(s).gap;  // budget and remainder already subtracted: it may be lower, never higher
+    const double excess = upper(Interval(said) + Interval(budget) - linear);
+    worst_gap = std::max(worst_gap, excess / budget);
+    ASSERT_LE(excess, budget) << "s " << s << " of " << duration;
+    // At s = 0 there is no remainder: the value is off by no more than the budget either way.
+    if (s == 0.0) {
+      ASSERT_LE(largest(Interval(said) + Interval(budget) - linear), budget);
+    }
+  }
+  std::printf("largest share used: displacement %.3f, point difference %.3f, gap value %.3f\n",
+              worst_distance, worst_point, worst_gap);
+  EXPECT_GT(worst_point, 1e-3) << "a budget that is never used would hide a solver that is needlessly unsure";
+}
+
+/// Half a turn of a quaternion: sine times axis, and cosine, of the step from one unit orientation to the
+/// next.
+struct HalfTurn {
+  I3 sine_axis;  ///< world axes
+  Interval sine, angle;
+};
+
+HalfTurn stepOf(const geometry::Quat& from, const geometry::Quat& to) {
+  const auto unit = [](const geometry::Quat& q, I3& v, Interval& w) {
+    const Interval length = sqrt(Interval(q.w()) * q.w() + Interval(q.x()) * q.x() + Interval(q.y()) * q.y() +
+                                 Interval(q.z()) * q.z());
+    v = {Interval(q.x()) / length, Interval(q.y()) / length, Interval(q.z()) / length};
+    w = Interval(q.w()) / length;
+  };
+  I3 u, v;
+  Interval uw, vw;
+  unit(from, u, uw);
+  unit(to, v, vw);
+  // to * conjugate(from): the step about world axes
+  Interval w = vw * uw + dotOf(v, u);
+  HalfTurn step;
+  step.sine_axis = minus(minus(times(uw, v), times(vw, u)), crossOf(v, u));
+  if (w.negative()) {
+    w = -w;
+    step.sine_axis = times(-1, step.sine_axis);
+  }
+  step.sine = lengthOf(step.sine_axis);
+  mpfr_atan2(step.angle.lo.raw(), step.sine.lo.raw(), w.hi.raw(), MPFR_RNDD);
+  mpfr_atan2(step.angle.hi.raw(), step.sine.hi.raw(), w.lo.raw(), MPFR_RNDU);
+  step.angle = Interval(2) * step.angle;
+  return step;
+}
+
+TEST(RoundingBudget, TheMotionsThatPosesMeanAreWithinItToo) {
+  // Positions: the line, or the cubic, through the poses as they were told. Orientations: the slerp arc
+  // between the two quaternions plus k whole turns, at constant rate. Whatever rounding made of coefficients
+  // and rate is in the budget.
+  double worst_d = 0, worst_r[2] = {0, 0};
+  for (int i = 0; i < 4000; ++i) {
+    Random random(kSeed + 1, i);
+    SCOPED_TRACE("seed " + std::to_string(kSeed + 1) + " index " + std::to_string(i));
+    const Vec3 world = moving::randomVec(random, random.decade(0, 8));
+    const auto span = static_cast<motion::Nanoseconds>(random.decade(3, 9.5));
+    const double h = 1e-9 * static_cast<double>(span);
+    const Vec3 common = moving::randomVec(random, random.chance(0.3) ? 0.0 : random.decade(0, 4.5));
+    const bool cubic = random.chance(0.5), several = random.chance(0.5);
+    motion::StampedPose from[2], to[2];
+    RigidMotion m[2];
+    int turns[2] = {0, 0};
+    for (int k = 0; k < 2; ++k) {
+      from[k].stamp_ns = 1'700'000'000'000'000'000 - (random.chance(0.5) ? 0 : random.below(1000));
+      to[k].stamp_ns = from[k].stamp_ns + span;
+      from[k].has_twist = to[k].has_twist = true;
+      from[k].pose.position = world + moving::randomVec(random, random.decade(-3, 2));
+      to[k].pose.position =
+          from[k].pose.position + h * common + moving::randomVec(random, random.decade(-6, 2));
+      const Vec3 own = moving::randomVec(random, random.decade(-6, 2) / h);
+      from[k].linear = common + own;
+      to[k].linear = common + moving::randomVec(random, random.decade(-6, 2) / h);
+      from[k].pose.orientation = random.orientation();
+      const double angle = random.decade(-12, 0.4);
+      const Vec3 about = random.direction();
+      to[k].pose.orientation =
+          (geometry::Quat(Eigen::AngleAxisd(angle, about)) * from[k].pose.orientation).normalized();
+      if (several) turns[k] = random.below(1061) - 530;
+      from[k].angular = to[k].angular = (angle + 6.283185307179586 * turns[k]) / h * about;
+      m[k] = cubic ? hermite(from[k], to[k]) : several ? spin(from[k], to[k]) : straightSlerp(from[k], to[k]);
+      if (cubic) turns[k] = 0;
+    }
+    const motion::Nanoseconds start = std::max(from[0].stamp_ns, from[1].stamp_ns);
+    const motion::Nanoseconds end = std::min(to[0].stamp_ns, to[1].stamp_ns);
+    if (end <= start) continue;
+    const motion::RelativeMotion relative(m[0], m[1], start, end);
+    const double t = random.chance(0.2) ? relative.duration() : random.in(0, relative.duration());
+    I3 position[2];
+    for (int k = 0; k < 2; ++k) {
+      const Interval length = oracle::exactSeconds(from[k].stamp_ns, to[k].stamp_ns);
+      const Interval s = oracle::exactSeconds(from[k].stamp_ns, start) + t, u = s / length;
+      const I3 p0 = interval3(from[k].pose.position), way = minus(interval3(to[k].pose.position), p0);
+      position[k] = plus(p0, times(u, way));
+      if (cubic) {  // Hermite's cubic: the line, and what the twists add to it
+        const I3 v0 = minus(times(length, interval3(from[k].linear)), way);
+        const I3 v1 = minus(times(length, interval3(to[k].linear)), way);
+        const Interval rest = Interval(1) - u;
+        position[k] = plus(position[k], minus(times(u * rest * rest, v0), times(u * u * rest, v1)));
+      }
+      const HalfTurn step = stepOf(from[k].pose.orientation, to[k].pose.orientation);
+      Interval whole;  // 2 pi k
+      mpfr_const_pi(whole.lo.raw(), MPFR_RNDD);
+      mpfr_const_pi(whole.hi.raw(), MPFR_RNDU);
+      const I3 axis = times(Interval(1) / step.sine, step.sine_axis);
+      // The twist's sense against the arc's decides the sign of the turns.
+      const double sense = dotOf(axis, interval3(from[k].angular)).lo.sign() < 0 ? -1 : 1;
+      const Interval all = step.angle + Interval(2) * whole * Interval(sense * std::abs(turns[k]));
+      Interval sine, cosine;
+      oracle::sineAndCosine(all * u, sine, cosine);
+      const Vec3 y = random.direction();
+      RigidMotion still;
+      still.q0 = from[k].pose.orientation;
+      const IntervalPath begin(still, 0);
+      const I3 first = begin.rotated(begin.turn(0), interval3(y)), around = crossOf(axis, first);
+      const I3 exact =
+          plus(first, plus(times(sine, around), times(Interval(1) - cosine, crossOf(axis, around))));
+      const Mat3 r = k == 0 ? relative.rotationA(t) : relative.rotationB(t);
+      I3 computed;
+      for (int row = 0; row < 3; ++row)
+        computed[static_cast<std::size_t>(row)] = dotOf(interval3(Vec3(r.row(row))), interval3(y));
+      const double error = k == 0 ? relative.rotationErrorA() : relative.rotationErrorB();
+      const double off = upper(lengthOf(minus(computed, exact))) / (error * y.norm());
+      worst_r[several && !cubic] = std::max(worst_r[several && !cubic], off);
+      EXPECT_LE(off, 1.0) << "turns " << turns[k] << " and " << upper(step.angle) << " rad";
+    }
+    const double off =
+        upper(lengthOf(minus(interval3(relative.displacement(t)), minus(position[1], position[0]))));
+    worst_d = std::max(worst_d, off / relative.translationError());
+    EXPECT_LE(off, relative.translationError()) << (cubic ? "cubic" : "line");
+    if (HasFailure()) return;
+  }
+  std::printf("largest share used: displacement %.3f, slerp %.3f, several turns %.3f\n", worst_d, worst_r[0],
+              worst_r[1]);
+}
+
+}  // namespace
+}  // namespace collision_node::impact

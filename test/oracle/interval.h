@@ -1,0 +1,139 @@
+/// Closed intervals of MPFR numbers: every operation rounds its ends outward, so the exact result is always
+/// inside.
+#pragma once
+
+#include <mpfr.h>
+
+#include <algorithm>
+#include <array>
+
+namespace oracle {
+
+/// A number of kBits bits that copies and frees itself.
+class Mp {
+ public:
+  static constexpr mpfr_prec_t kBits = 240;
+
+  Mp(double value = 0) {
+    mpfr_init2(v_, kBits);
+    mpfr_set_d(v_, value, MPFR_RNDN);  // exact: a double has 53 bits
+  }
+  Mp(const Mp& other) {
+    mpfr_init2(v_, kBits);
+    mpfr_set(v_, other.v_, MPFR_RNDN);
+  }
+  Mp& operator=(const Mp& other) {
+    mpfr_set(v_, other.v_, MPFR_RNDN);
+    return *this;
+  }
+  ~Mp() { mpfr_clear(v_); }
+
+  mpfr_ptr raw() { return v_; }
+  mpfr_srcptr raw() const { return v_; }
+  double toDouble(mpfr_rnd_t rounding = MPFR_RNDN) const { return mpfr_get_d(v_, rounding); }
+  int sign() const { return mpfr_sgn(v_); }
+  friend bool operator<(const Mp& a, const Mp& b) { return mpfr_less_p(a.v_, b.v_) != 0; }
+
+ private:
+  mpfr_t v_;
+};
+
+struct Interval {
+  Mp lo, hi;
+
+  Interval(double value = 0) : lo(value), hi(value) {}
+  Interval(const Mp& low, const Mp& high) : lo(low), hi(high) {}
+
+  bool positive() const { return lo.sign() > 0; }
+  bool negative() const { return hi.sign() < 0; }
+  bool holdsZero() const { return !positive() && !negative(); }
+};
+
+inline Interval operator-(const Interval& a) {
+  Interval r;
+  mpfr_neg(r.lo.raw(), a.hi.raw(), MPFR_RNDD);
+  mpfr_neg(r.hi.raw(), a.lo.raw(), MPFR_RNDU);
+  return r;
+}
+inline Interval operator+(const Interval& a, const Interval& b) {
+  Interval r;
+  mpfr_add(r.lo.raw(), a.lo.raw(), b.lo.raw(), MPFR_RNDD);
+  mpfr_add(r.hi.raw(), a.hi.raw(), b.hi.raw(), MPFR_RNDU);
+  return r;
+}
+inline Interval operator-(const Interval& a, const Interval& b) {
+  Interval r;
+  mpfr_sub(r.lo.raw(), a.lo.raw(), b.hi.raw(), MPFR_RNDD);
+  mpfr_sub(r.hi.raw(), a.hi.raw(), b.lo.raw(), MPFR_RNDU);
+  return r;
+}
+inline Interval operator*(const Interval& a, const Interval& b) {
+  Interval r;
+  Mp product;
+  bool first = true;
+  for (const Mp* x : {&a.lo, &a.hi}) {
+    for (const Mp* y : {&b.lo, &b.hi}) {
+      mpfr_mul(product.raw(), x->raw(), y->raw(), MPFR_RNDD);
+      if (first || product < r.lo) r.lo = product;
+      mpfr_mul(product.raw(), x->raw(), y->raw(), MPFR_RNDU);
+      if (first || r.hi < product) r.hi = product;
+      first = false;
+    }
+  }
+  return r;
+}
+/// The divisor must not hold zero.
+inline Interval operator/(const Interval& a, const Interval& b) {
+  Interval inverse;
+  mpfr_ui_div(inverse.lo.raw(), 1, b.hi.raw(), MPFR_RNDD);
+  mpfr_ui_div(inverse.hi.raw(), 1, b.lo.raw(), MPFR_RNDU);
+  return a * inverse;
+}
+/// Of an interval of numbers >= 0.
+inline Interval sqrt(const Interval& a) {
+  Interval r;
+  mpfr_sqrt(r.lo.raw(), a.lo.raw(), MPFR_RNDD);
+  mpfr_sqrt(r.hi.raw(), a.hi.raw(), MPFR_RNDU);
+  return r;
+}
+
+/// Sine and cosine over an interval: the value at its middle, which a width of w changes by at most w/2 (and
+/// never beyond one).
+inline void sineAndCosine(const Interval& angle, Interval& sine, Interval& cosine) {
+  Mp middle, reach, other;
+  mpfr_add(middle.raw(), angle.lo.raw(), angle.hi.raw(), MPFR_RNDN);
+  mpfr_div_2ui(middle.raw(), middle.raw(), 1, MPFR_RNDN);
+  mpfr_sub(reach.raw(), angle.hi.raw(), middle.raw(), MPFR_RNDU);
+  mpfr_sub(other.raw(), middle.raw(), angle.lo.raw(), MPFR_RNDU);
+  mpfr_max(reach.raw(), reach.raw(), other.raw(), MPFR_RNDU);
+  const auto widen = [&](Interval& r) {
+    mpfr_sub(r.lo.raw(), r.lo.raw(), reach.raw(), MPFR_RNDD);
+    mpfr_add(r.hi.raw(), r.hi.raw(), reach.raw(), MPFR_RNDU);
+    if (mpfr_cmp_si(r.lo.raw(), -1) < 0) mpfr_set_si(r.lo.raw(), -1, MPFR_RNDD);
+    if (mpfr_cmp_si(r.hi.raw(), 1) > 0) mpfr_set_si(r.hi.raw(), 1, MPFR_RNDU);
+  };
+  mpfr_sin(sine.lo.raw(), middle.raw(), MPFR_RNDD);
+  mpfr_sin(sine.hi.raw(), middle.raw(), MPFR_RNDU);
+  mpfr_cos(cosine.lo.raw(), middle.raw(), MPFR_RNDD);
+  mpfr_cos(cosine.hi.raw(), middle.raw(), MPFR_RNDU);
+  widen(sine);
+  widen(cosine);
+}
+
+using I3 = std::array<Interval, 3>;
+
+/// Any Eigen 3-vector of doubles, taken exactly.
+template <class EigenVector>
+I3 interval3(const EigenVector& v) {
+  return {Interval(v[0]), Interval(v[1]), Interval(v[2])};
+}
+inline I3 plus(const I3& a, const I3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline I3 minus(const I3& a, const I3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline I3 times(const Interval& s, const I3& a) { return {s * a[0], s * a[1], s * a[2]}; }
+inline Interval dotOf(const I3& a, const I3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline I3 crossOf(const I3& a, const I3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline Interval lengthOf(const I3& a) { return sqrt(dotOf(a, a)); }
+
+}  // namespace oracle
