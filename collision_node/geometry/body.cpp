@@ -13,29 +13,14 @@ namespace {
 
 constexpr double kUp = 1.0 + 8.0 * std::numeric_limits<double>::epsilon();
 
-struct Bounds {
-  Vec3 lower = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 upper = Vec3::Constant(-std::numeric_limits<double>::infinity());
-
-  void add(const Vec3& p) {
-    lower = lower.cwiseMin(p);
-    upper = upper.cwiseMax(p);
-  }
-  void add(const Bounds& o) {
-    lower = lower.cwiseMin(o.lower);
-    upper = upper.cwiseMax(o.upper);
-  }
-  Vec3 centre() const { return 0.5 * (lower + upper); }
-  double halfArea() const {
-    const Vec3 e = (upper - lower).cwiseMax(0.0);
-    return e.x() * e.y() + e.y() * e.z() + e.z() * e.x();
-  }
-};
-
 Bounds boundsOf(const Element& e) {
   Bounds b;
   if (e.vertices != nullptr) {
-    for (int i = 0; i < e.count; ++i) b.add(e.vertices[i]);
+    b.lower = b.upper = e.vertices[0];
+    for (int i = 1; i < e.count; ++i) {
+      b.lower = b.lower.cwiseMin(e.vertices[i]);
+      b.upper = b.upper.cwiseMax(e.vertices[i]);
+    }
   } else {
     // A disc of radius r with unit normal n reaches r sqrt(1 - n_k^2) along axis k.
     Vec3 reach;
@@ -43,116 +28,17 @@ Bounds boundsOf(const Element& e) {
       const double across = std::hypot(e.axis[(k + 1) % 3], e.axis[(k + 2) % 3]);
       reach[k] = (e.half_length * std::abs(e.axis[k]) + e.rim_radius * across) * kUp;
     }
-    b.add(e.centre - reach);
-    b.add(e.centre + reach);
+    b.lower = e.centre - reach;
+    b.upper = e.centre + reach;
   }
-  const Vec3 grow = Vec3::Constant(e.radius * kUp);
+  if (e.vertices != nullptr && e.radius == 0.0) return b;
+  // Two roundings of sums of this size.
+  const Vec3 scale = b.lower.cwiseAbs().cwiseMax(b.upper.cwiseAbs());
+  const Vec3 grow = Vec3::Constant(e.radius * kUp) + 4e-16 * (scale + Vec3::Constant(e.radius));
   b.lower -= grow;
   b.upper += grow;
   return b;
 }
-
-/// Sets box and reach so that they hold `b` in spite of their own rounding.
-void setBox(BvhNode& node, const Bounds& b) {
-  node.centre = b.centre();
-  const Vec3 scale = b.lower.cwiseAbs().cwiseMax(b.upper.cwiseAbs());
-  node.half = (b.upper - node.centre).cwiseMax(node.centre - b.lower) + 4e-16 * scale;
-  node.reach = std::hypot(scale.x(), scale.y(), scale.z()) * kUp;
-}
-
-/// Top-down build with binned surface area heuristic (Wald 2007): split where area * count is smallest.
-class Builder {
- public:
-  Builder(const std::vector<Bounds>& boxes, std::vector<BvhNode>& nodes) : boxes_(boxes), nodes_(nodes) {
-    order_.resize(boxes.size());
-    std::iota(order_.begin(), order_.end(), 0);
-    nodes_.reserve(2 * boxes.size());
-    nodes_.emplace_back();
-    build(0, 0, static_cast<int>(boxes.size()));
-  }
-
- private:
-  static constexpr int kBins = 16;
-
-  void build(std::int32_t node, int begin, int end) {
-    Bounds all, centres;
-    for (int i = begin; i < end; ++i) {
-      all.add(boxes_[order_[i]]);
-      centres.add(boxes_[order_[i]].centre());
-    }
-    setBox(nodes_[node], all);
-    if (end - begin == 1) {
-      nodes_[node].element = order_[begin];
-      return;
-    }
-    const int middle = partition(begin, end, centres);
-    const auto left = static_cast<std::int32_t>(nodes_.size());
-    nodes_[node].left = left;
-    nodes_.emplace_back();
-    nodes_.emplace_back();
-    build(left, begin, middle);
-    build(left + 1, middle, end);
-  }
-
-  int partition(int begin, int end, const Bounds& centres) {
-    int axis = 0;
-    const Vec3 extent = centres.upper - centres.lower;
-    extent.maxCoeff(&axis);
-    const int half = begin + (end - begin) / 2;
-    const auto by_centre = [&](int i, int j) {
-      const double a = boxes_[i].centre()[axis], b = boxes_[j].centre()[axis];
-      return a != b ? a < b : i < j;  // a total order: the same tree everywhere
-    };
-    if (end - begin <= 4 || !(extent[axis] > 0.0)) {
-      std::nth_element(order_.begin() + begin, order_.begin() + half, order_.begin() + end, by_centre);
-      return half;
-    }
-    Bounds bins[kBins];
-    int counts[kBins] = {};
-    const double scale = kBins / extent[axis];
-    const auto binOf = [&](int i) {
-      const int bin = static_cast<int>((boxes_[i].centre()[axis] - centres.lower[axis]) * scale);
-      return std::clamp(bin, 0, kBins - 1);
-    };
-    for (int i = begin; i < end; ++i) {
-      const int bin = binOf(order_[i]);
-      bins[bin].add(boxes_[order_[i]]);
-      ++counts[bin];
-    }
-    double right_cost[kBins] = {};
-    Bounds sweep;
-    int count = 0;
-    for (int b = kBins - 1; b > 0; --b) {
-      sweep.add(bins[b]);
-      count += counts[b];
-      right_cost[b] = count > 0 ? count * sweep.halfArea() : 0.0;
-    }
-    sweep = Bounds();
-    count = 0;
-    double best = std::numeric_limits<double>::infinity();
-    int best_bin = 0;
-    for (int b = 0; b + 1 < kBins; ++b) {
-      sweep.add(bins[b]);
-      count += counts[b];
-      if (count == 0 || count == end - begin) continue;
-      const double cost = count * sweep.halfArea() + right_cost[b + 1];
-      if (cost < best) {
-        best = cost;
-        best_bin = b;
-      }
-    }
-    const auto split = std::stable_partition(order_.begin() + begin, order_.begin() + end,
-                                             [&](int i) { return binOf(i) <= best_bin; });
-    const int middle = static_cast<int>(split - order_.begin());
-    if (middle > begin && middle < end) return middle;
-    std::nth_element(order_.begin() + begin, order_.begin() + half, order_.begin() + end, by_centre);
-    return half;
-  }
-
-  const std::vector<Bounds>& boxes_;
-  std::vector<BvhNode>& nodes_;
-  std::vector<int> order_;
-};
 
 /// The root of `i` in a union-find forest, with path halving.
 int rootOf(std::vector<int>& parent, int i) {
@@ -247,7 +133,7 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   Vec3 buffer[3];
   for (std::int32_t id = 0; id < elementCount(); ++id) boxes.push_back(boundsOf(element(id, buffer)));
   if (boxes.empty()) throw std::invalid_argument("a body needs at least one triangle or primitive");
-  Builder(boxes, nodes_);
+  bvh_ = Bvh(boxes);
 
   // The sphere about the root box's centre; |v - c| of the outermost vertex, not the box's diagonal.
   const Vec3 c = centre();

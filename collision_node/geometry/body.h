@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "collision_node/geometry/bvh.h"
 #include "collision_node/geometry/shape.h"
 
 namespace collision_node::geometry {
@@ -22,16 +23,6 @@ struct Element {
   double half_length = 0.0;   ///< [m]
   int shape = -1;             ///< index into the body's shapes
   int triangle = -1;          ///< index into the mesh's triangles, -1 for a primitive
-};
-
-/// A node of the hierarchy. Boxes are axis-aligned in the object's frame and hold their elements, rounded
-/// outward.
-struct BvhNode {
-  Vec3 centre;
-  Vec3 half;                  ///< half extents
-  double reach = 0.0;         ///< >= distance of any point of the node from the frame's origin
-  std::int32_t left = -1;     ///< child; the other child is left + 1. -1: a leaf
-  std::int32_t element = -1;  ///< a leaf's element
 };
 
 /// A closed mesh inside a body, for the inside test.
@@ -55,13 +46,13 @@ class Body {
   /// Fills `buffer[0..2]` for a triangle; the returned view points into `buffer` or into the body.
   Element element(std::int32_t id, Vec3* buffer) const;
 
-  const std::vector<BvhNode>& nodes() const { return nodes_; }  ///< [0] is the root
+  const Bvh& bvh() const { return bvh_; }
   const std::vector<SolidMesh>& solids() const { return solids_; }
   /// One point of every connected component of the body: if none is inside a solid, and the surfaces are
   /// apart, nothing of this body is inside it.
   const std::vector<Vec3>& representatives() const { return representatives_; }
-  double reach() const { return nodes_[0].reach; }  ///< >= distance of any point from the object's origin [m]
-  Vec3 centre() const { return nodes_[0].centre; }  ///< of the bounding sphere
+  double reach() const { return bvh_[0].reach; }  ///< >= distance of any point from the object's origin [m]
+  Vec3 centre() const { return bvh_.centre(0); }  ///< of the bounding sphere
   /// What placing the shapes in the object's frame rounded, for any point of the body [m].
   double placingError() const { return placing_error_; }
   double radius() const { return radius_; }  ///< of the bounding sphere about centre() [m]
@@ -78,7 +69,7 @@ class Body {
   std::vector<std::int32_t> first_triangle_of_shape_;
   std::vector<Element> primitives_;
   std::vector<std::int32_t> primitive_first_vertex_;
-  std::vector<BvhNode> nodes_;
+  Bvh bvh_;
   std::vector<SolidMesh> solids_;
   std::vector<Vec3> representatives_;
   double radius_ = 0.0, placing_error_ = 0.0;

@@ -18,7 +18,8 @@ class Certified : public PairMethod {
 
   PieceOutcome advance(const Piece& piece, PairState& state, std::vector<PairEvent>& events) const override {
     const PairPiece pair(a_, b_, piece, options_.contact_distance);
-    const PieceOutcome outcome = runPiece(pair, piece, options_, state, events);
+    Workspace workspace;
+    const PieceOutcome outcome = runPiece(pair, piece, options_, workspace, state, events);
     state.decided_ns = piece.end_ns;
     state.last_piece = piece;
     return outcome;
@@ -30,7 +31,8 @@ class Certified : public PairMethod {
     if (state.phase != Phase::kUndecided || state.was_touching || state.published) return;
     const Piece& piece = state.last_piece;
     const PairPiece pair(a_, b_, piece, options_.contact_distance);
-    Search search(pair, options_.node_budget);
+    Workspace workspace;
+    Search search(pair, options_.node_budget, workspace);
     EventWriter writer(pair, piece, options_, search);
     PairEvent event = state.pending;
     const double end = pair.motion.duration(), from = std::clamp(writer.localStart(event), 0.0, end);
@@ -46,7 +48,8 @@ class Certified : public PairMethod {
     if (state.phase == Phase::kTouching || (state.phase == Phase::kUndecided && state.was_touching)) {
       const Piece& piece = state.last_piece;
       const PairPiece pair(a_, b_, piece, options_.contact_distance);
-      Search search(pair, options_.node_budget);
+      Workspace workspace;
+      Search search(pair, options_.node_budget, workspace);
       const EventWriter writer(pair, piece, options_, search);
       const double end = pair.motion.duration();
       PairEvent event = writer.stamped(Kind::kSeparation, end);
@@ -66,18 +69,17 @@ class Certified : public PairMethod {
 
 }  // namespace
 
-struct Workspace::Buffers {};
 Workspace::Workspace() : buffers_(std::make_unique<Buffers>()) {}
 Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
-void solve(const Body& a, const Body& b, const Piece& piece, const PairOptions& options, Workspace&,
+void solve(const Body& a, const Body& b, const Piece& piece, const PairOptions& options, Workspace& workspace,
            Solution& solution) {
   solution.events.clear();
   const PairPiece pair(a, b, piece, options.contact_distance);
   PairState state;
-  const PieceOutcome outcome = runPiece(pair, piece, options, state, solution.events);
+  const PieceOutcome outcome = runPiece(pair, piece, options, workspace, state, solution.events);
   state.last_piece = piece;
   if (state.phase == Phase::kUndecided) Certified(a, b, options).finish(state, solution.events);
   solution.verdict = outcome.answer;

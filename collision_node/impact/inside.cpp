@@ -16,12 +16,12 @@ const Vec3 kDirections[] = {
     {0.6617, 0.1123, -0.7413},  {-0.1107, -0.7093, -0.696}, {0.3719, 0.7121, -0.5955}};
 
 /// Could the line through `p` along `u`, thickened by `error`, meet the box ahead of p?
-bool meetsBox(const Vec3& p, const Vec3& u, const geometry::BvhNode& node, double error) {
+bool meetsBox(const Vec3& p, const Vec3& u, const geometry::Bvh& bvh, std::int32_t node, double error) {
+  const Vec3 centre = bvh.centre(node), half_box = bvh.half(node);
   double low = -1e-300, high = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
-    const double half =
-        node.half[k] + error + 1e-12 * (node.half[k] + std::abs(node.centre[k]) + std::abs(p[k]));
-    const double near = (node.centre[k] - p[k] - half) / u[k], far = (node.centre[k] - p[k] + half) / u[k];
+    const double half = half_box[k] + error + 1e-12 * (half_box[k] + std::abs(centre[k]) + std::abs(p[k]));
+    const double near = (centre[k] - p[k] - half) / u[k], far = (centre[k] - p[k] + half) / u[k];
     low = std::max(low, std::min(near, far));
     high = std::min(high, std::max(near, far));
   }
@@ -56,20 +56,21 @@ bool crossing(const Vec3& p, const Vec3& u, const Element& t, double error, int*
 
 bool windingAlong(const Body& body, const geometry::SolidMesh& solid, const Vec3& p, const Vec3& u,
                   double error, int* winding) {
-  const auto& nodes = body.nodes();
-  std::vector<std::int32_t> stack = {0};
+  const geometry::Bvh& bvh = body.bvh();
+  std::vector<std::int32_t> stack = {geometry::Bvh::kRoot};
   Vec3 buffer[3];
   *winding = 0;
   while (!stack.empty()) {
-    const geometry::BvhNode& node = nodes[stack.back()];
+    const std::int32_t id = stack.back();
     stack.pop_back();
-    if (!meetsBox(p, u, node, error)) continue;
-    if (node.left >= 0) {
-      stack.push_back(node.left);
-      stack.push_back(node.left + 1);
-    } else if (node.element >= solid.first_element && node.element < solid.end_element) {
+    if (!bvh.exists(id) || !meetsBox(p, u, bvh, id, error)) continue;
+    const geometry::BvhNode node = bvh[id];
+    if (!node.leaf()) {
+      for (int i = 0; i < geometry::BvhBlock::kWidth; ++i)
+        stack.push_back(geometry::BvhBlock::kWidth * node.link + i);
+    } else if (node.element() >= solid.first_element && node.element() < solid.end_element) {
       int sign = 0;
-      if (!crossing(p, u, body.element(node.element, buffer), error, &sign)) return false;
+      if (!crossing(p, u, body.element(node.element(), buffer), error, &sign)) return false;
       *winding += sign;
     }
   }
@@ -94,9 +95,8 @@ Where anyInside(const Body& body, const std::vector<Vec3>& points, double error,
 }  // namespace
 
 Where whereIn(const Body& body, const geometry::SolidMesh& solid, const Vec3& point, double error) {
-  const geometry::BvhNode& root = body.nodes()[0];
-  const Vec3 off = (point - root.centre).cwiseAbs() - root.half;
-  if (off.maxCoeff() > error + 1e-12 * (root.reach + point.norm())) return Where::kOutside;
+  const Vec3 off = (point - body.bvh().centre(0)).cwiseAbs() - body.bvh().half(0);
+  if (off.maxCoeff() > error + 1e-12 * (body.reach() + point.norm())) return Where::kOutside;
   for (const Vec3& u : kDirections) {
     int winding = 0;
     if (windingAlong(body, solid, point, u, error, &winding))

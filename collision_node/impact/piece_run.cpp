@@ -19,12 +19,12 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// The state machine on one piece. Times are seconds from the piece's start.
 class Run {
  public:
-  Run(const PairPiece& pair, const Piece& piece, const PairOptions& options, PairState& state,
-      std::vector<PairEvent>& events)
+  Run(const PairPiece& pair, const Piece& piece, const PairOptions& options, Workspace& workspace,
+      PairState& state, std::vector<PairEvent>& events)
       : pair_(pair),
         piece_(piece),
         options_(options),
-        search_(pair, options.node_budget),
+        search_(pair, options.node_budget, workspace),
         writer_(pair, piece, options, search_),
         state_(state),
         events_(events),
@@ -136,7 +136,10 @@ class Run {
     while (true) {
       if (search_.exhausted()) return true;
       const double at = std::min(end_, from + step);
-      const Proved proved = search_.classify(at, &found, end_);
+      // Most often the pair that could not be proved apart is the one that touches.
+      Proved proved = Proved::kNothing;
+      if (opened_.a >= 0) proved = search_.classifyPair(at, opened_, &found);
+      if (proved != Proved::kContact) proved = search_.classify(at, &found, end_);
       if (proved == Proved::kContact) {
         confirm(from, at, found, witness);
         t = at;
@@ -449,9 +452,9 @@ class Run {
 
 }  // namespace
 
-PieceOutcome runPiece(const PairPiece& pair, const Piece& piece, const PairOptions& options, PairState& state,
-                      std::vector<PairEvent>& events) {
-  return Run(pair, piece, options, state, events).run();
+PieceOutcome runPiece(const PairPiece& pair, const Piece& piece, const PairOptions& options,
+                      Workspace& workspace, PairState& state, std::vector<PairEvent>& events) {
+  return Run(pair, piece, options, workspace, state, events).run();
 }
 
 }  // namespace collision_node::impact

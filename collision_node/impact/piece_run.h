@@ -11,12 +11,13 @@
 #include <vector>
 
 #include "collision_node/impact/pair_piece.h"
+#include "collision_node/impact/workspace.h"
 
 namespace collision_node::impact {
 
 /// Appends the changes of contact on the piece in time order and brings `state` to its end, all but
 /// PairState::decided_ns and last_piece.
-PieceOutcome runPiece(const PairPiece& pair, const Piece& piece, const PairOptions& options, PairState& state,
-                      std::vector<PairEvent>& events);
+PieceOutcome runPiece(const PairPiece& pair, const Piece& piece, const PairOptions& options,
+                      Workspace& workspace, PairState& state, std::vector<PairEvent>& events);
 
 }  // namespace collision_node::impact

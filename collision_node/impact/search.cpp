@@ -16,15 +16,10 @@ constexpr double kUp = 1.0 + 64.0 * kUnit;
 /// flat from 0.03 to 0.1).
 constexpr double kTimeSplit = 0.06;
 
-/// Keeps the part of [low, high] (relative to the slab's middle) on which |d + w s| <= e. False when nothing
-/// is left.
-bool clipAxis(double d, double w, double e, double pad, double& low, double& high) {
-  if (w == 0.0) return !(std::abs(d) > e);
-  const double near = (-e - d) / w, far = (e - d) / w;
-  low = std::max(low, std::min(near, far) - pad);
-  high = std::min(high, std::max(near, far) + pad);
-  return !(low > high);
-}
+constexpr int kWidth = geometry::BvhBlock::kWidth;
+
+/// A measure of a node's size, to compare with others.
+double sizeOf(const geometry::BvhNode& node) { return 0.6 * (node.half[0] + node.half[1] + node.half[2]); }
 
 /// The longest time any proposed axis proves. More are tried only where the first does worse than plain
 /// advancement by the distance would.
@@ -51,151 +46,94 @@ double apartFrom(const PairPiece& piece, const Instant& now, const Element& a, c
 
 }  // namespace
 
-std::int32_t Search::addSlab(double low, double high) {
-  const RelativeMotion& m = piece_.motion;
-  Slab s;
-  s.middle = 0.5 * (low + high);
-  s.half = std::max(high - s.middle, s.middle - low) * (1.0 + 4.0 * kUnit);
-  const Instant now = piece_.at(s.middle);
-  const Vec3 &wa = m.omegaA(), &wb = m.omegaB();
-  const Vec3 turn = wb - wa;
-  s.turn = turn.norm() * kUp;
-  s.p0 = now.ra.transpose() * now.d;
-  s.p1 = now.ra.transpose() * (now.d_rate - wa.cross(now.d));
-  s.q0 = now.ra.transpose() * now.rb;
-  for (int k = 0; k < 3; ++k) s.q1.col(k) = now.ra.transpose() * turn.cross(now.rb.col(k));
-  s.back_p0 = -(now.rb.transpose() * now.d);
-  s.back_p1 = -(now.rb.transpose() * (now.d_rate - wb.cross(now.d)));
+Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& workspace)
+    : piece_(piece),
+      test_(piece),
+      budget_(node_budget),
+      slabs_(piece, workspace.buffers().slabs),
+      stack_(workspace.buffers().stack) {}
 
-  // |x''| <= |d'' - 2 w x d' + w x (w x d)| + (|O|^2 + |wa x wb|) |y|, the first at the middle plus its
-  // growth.
-  const Vec3 bend = m.acceleration(s.middle);
-  const double bend_sup = bend.norm() + s.half * m.jerk();
-  const double speed_sup = now.d_rate.norm() + s.half * bend_sup;
-  const auto pathBend = [&](const Vec3& w, double spin) {
-    const Vec3 g = bend - 2.0 * w.cross(now.d_rate) + w.cross(w.cross(now.d));
-    return (g.norm() + s.half * (m.jerk() + 2.0 * spin * bend_sup + spin * spin * speed_sup)) * kUp;
-  };
-  s.bend_a = pathBend(wa, m.spinA());
-  s.bend_b = pathBend(wb, m.spinB());
-  s.bend_q = (s.turn * s.turn + wa.cross(wb).norm()) * kUp;
-  s.extent = (s.q0.cwiseAbs() + s.half * s.q1.cwiseAbs()).array() +
-             (0.5 * s.half * s.half * s.bend_q + 64.0 * kUnit);
-  s.extent = s.extent.cwiseMin(1.0 + 64.0 * kUnit);
-  slabs_.push_back(s);
-  return static_cast<std::int32_t>(slabs_.size()) - 1;
-}
-
-std::int32_t Search::childOf(std::int32_t slab, bool late) {
-  if (slabs_[slab].early < 0) {
-    const double middle = slabs_[slab].middle, half = slabs_[slab].half;
-    const std::int32_t early = addSlab(middle - half, middle);
-    addSlab(middle, middle + half);
-    slabs_[slab].early = early;
-    ++subdivisions_;
+/// Moves to ever smaller slabs as long as the rest of the time fits into one; false when nothing is left.
+bool Search::settle(Item& item) {
+  while (!item.span.empty()) {
+    const Slab& slab = slabs_[item.slab];
+    if (slab.straight) return true;
+    const bool late = item.span.low >= slab.middle;
+    if (!late && item.span.high > slab.middle) return true;
+    if (!(slab.half > 16.0 * kUnit * piece_.motion.duration())) return true;
+    item.slab = slabs_.childOf(item.slab, late);
+    if (item.span.high - item.span.low < slabs_[item.slab].half) continue;  // a better slab is below
+    ++node_tests_;
+    item.span = test_.clip(slabs_[item.slab], piece_.a.bvh()[item.a], piece_.b.bvh()[item.b], item.span);
   }
-  return slabs_[slab].early + (late ? 1 : 0);
-}
-
-/// Narrows the item's time to where the boxes can overlap along their six axes; false when they cannot.
-bool Search::clip(Item& item) const {
-  const geometry::BvhNode &na = piece_.a.nodes()[item.a], &nb = piece_.b.nodes()[item.b];
-  const Slab& s = slabs_[item.slab];
-  const double bend = 0.5 * s.half * s.half * kUp;
-  const double budget = piece_.contact_distance + 2.0 * piece_.frame_error + 2.0 * s.half * piece_.rate_error;
-  const double pad = 32.0 * kUnit * piece_.motion.duration();
-  double low = item.low - s.middle, high = item.high - s.middle;
-
-  const Vec3 d = s.p0 + s.q0 * nb.centre - na.centre;
-  const Vec3 w = s.p1 + s.q1 * nb.centre;
-  const double extra_a = bend * (s.bend_a + s.bend_q * nb.reach) + budget;
-  const Vec3 e = (na.half + s.extent * nb.half) * kUp;
-  for (int k = 0; k < 3; ++k) {
-    if (!clipAxis(d[k], w[k], e[k] + extra_a, pad, low, high)) return false;
-  }
-  const Vec3 back_d = s.back_p0 + s.q0.transpose() * na.centre - nb.centre;
-  const Vec3 back_w = s.back_p1 + s.q1.transpose() * na.centre;
-  const double extra_b = bend * (s.bend_b + s.bend_q * na.reach) + budget;
-  const Vec3 back_e = (nb.half + s.extent.transpose() * na.half) * kUp;
-  for (int k = 0; k < 3; ++k) {
-    if (!clipAxis(back_d[k], back_w[k], back_e[k] + extra_b, pad, low, high)) return false;
-  }
-  item.low = std::max(item.low, s.middle + low);
-  item.high = std::min(item.high, s.middle + high);
-  return !(item.low > item.high);
-}
-
-/// Clips, then moves to ever smaller slabs as long as the rest of the time fits into one.
-bool Search::prepare(Item& item) {
-  ++node_tests_;
-  if (!clip(item)) return false;
-  while (true) {
-    const double middle = slabs_[item.slab].middle;
-    const bool late = item.low >= middle;
-    if (!late && item.high > middle) return true;
-    const double width = item.high - item.low;
-    if (!(slabs_[item.slab].half > 16.0 * kUnit * piece_.motion.duration())) return true;
-    if (slabs_[item.slab].bend_a + slabs_[item.slab].bend_q + slabs_[item.slab].turn == 0.0) return true;
-    item.slab = childOf(item.slab, late);
-    if (width < slabs_[item.slab].half) continue;  // a better slab is below
-    if (!clip(item)) return false;
-  }
+  return false;
 }
 
 template <typename Leaf>
 void Search::walk(double from, double to, Leaf&& leaf) {
-  slabs_.clear();
+  slabs_.start(from, to);
   stack_.clear();
-  addSlab(from, to);
-  Item root{0, 0, 0, from, to};
-  if (prepare(root)) stack_.push_back(root);
-  const auto &nodes_a = piece_.a.nodes(), &nodes_b = piece_.b.nodes();
+  const geometry::Bvh &tree_a = piece_.a.bvh(), &tree_b = piece_.b.bvh();
+  ++node_tests_;
+  constexpr std::int32_t kRoot = geometry::Bvh::kRoot;
+  Item root{kRoot, kRoot, 0, test_.clip(slabs_[0], tree_a[kRoot], tree_b[kRoot], {from, to})};
+  if (settle(root)) stack_.push_back(root);
   double until = kInfinity;
   while (!stack_.empty()) {
     const Item item = stack_.back();
     stack_.pop_back();
-    if (!(item.low < until)) continue;
+    if (!(item.span.low < until)) continue;
     if (exhausted()) {
-      until = std::min(until, leaf.unresolved(item.low));
+      until = std::min(until, leaf.unresolved(item.span.low));
       continue;
     }
-    const geometry::BvhNode &na = nodes_a[item.a], &nb = nodes_b[item.b];
-    if (na.left < 0 && nb.left < 0) {
-      until = std::min(until, leaf(na.element, nb.element, item.low, std::min(item.high, until)));
+    const geometry::BvhNode na = tree_a[item.a], nb = tree_b[item.b];
+    const Slab& slab = slabs_[item.slab];
+    if (na.leaf() && nb.leaf()) {
+      const Span span{item.span.low, std::min(item.span.high, until)};
+      until = std::min(until, leaf(slab, na.element(), nb.element(), span));
       continue;
     }
-    Item children[2] = {item, item};
-    const double size_a = na.half.norm(), size_b = nb.half.norm();
-    const Slab& s = slabs_[item.slab];
+    const double size_a = sizeOf(na), size_b = sizeOf(nb);
     const double remainder =
-        0.5 * s.half * s.half * (std::min(s.bend_a, s.bend_b) + s.bend_q * std::max(na.reach, nb.reach)) +
-        s.half * s.turn * std::min(size_a, size_b);
+        0.5 * slab.half * slab.half *
+            (std::min(slab.in_a.bend, slab.in_b.bend) + slab.bend_q * std::max(na.reach, nb.reach)) +
+        slab.half * slab.turn * std::min(size_a, size_b);
     const bool split_time = remainder > kTimeSplit * (size_a + size_b) &&
-                            s.half > 1e-9 * piece_.motion.duration() && item.low < s.middle &&
-                            item.high > s.middle;
+                            slab.half > 1e-9 * piece_.motion.duration() && item.span.low < slab.middle &&
+                            item.span.high > slab.middle;
     if (split_time) {
-      const double middle = s.middle;
-      children[0].slab = childOf(item.slab, false);
-      children[0].high = middle;
-      children[1].slab = childOf(item.slab, true);
-      children[1].low = middle;
-    } else if (nb.left < 0 || (na.left >= 0 && size_a >= size_b)) {
-      children[0].a = na.left;
-      children[1].a = na.left + 1;
-    } else {
-      children[0].b = nb.left;
-      children[1].b = nb.left + 1;
+      const double middle = slab.middle;
+      const std::int32_t late = slabs_.childOf(item.slab, true), early = slabs_.childOf(item.slab, false);
+      node_tests_ += 2;
+      push({item.a, item.b, late, test_.clip(slabs_[late], na, nb, {middle, item.span.high})});
+      push({item.a, item.b, early, test_.clip(slabs_[early], na, nb, {item.span.low, middle})});
+      continue;
     }
-    const bool keep0 = prepare(children[0]), keep1 = prepare(children[1]);
-    const bool first_is_0 = !keep1 || (keep0 && children[0].low <= children[1].low);
-    if (first_is_0) {
-      if (keep1) stack_.push_back(children[1]);
-      if (keep0) stack_.push_back(children[0]);
-    } else {
-      if (keep0) stack_.push_back(children[0]);
-      stack_.push_back(children[1]);
+    const bool of_a = nb.leaf() || (!na.leaf() && size_a >= size_b);
+    const std::int32_t link = of_a ? na.link : nb.link;
+    Span spans[kWidth];
+    test_.clipChildren(slab, of_a ? tree_a.block(link) : tree_b.block(link), of_a, of_a ? nb : na, item.span,
+                       spans);
+    ++node_tests_;
+    // Sorted by time, so that the nearest is pushed last and looked at first.
+    int order[kWidth], kept = 0;
+    for (int i = 0; i < kWidth; ++i) {
+      if (spans[i].empty() || !(spans[i].low < until)) continue;
+      int place = kept++;
+      for (; place > 0 && spans[order[place - 1]].low < spans[i].low; --place)
+        order[place] = order[place - 1];
+      order[place] = i;
+    }
+    for (int i = 0; i < kept; ++i) {
+      const std::int32_t child = kWidth * link + order[i];
+      push({of_a ? child : item.a, of_a ? item.b : child, item.slab, spans[order[i]]});
     }
   }
+}
+
+void Search::push(Item item) {
+  if (settle(item)) stack_.push_back(item);
 }
 
 /// Steps from `from` as long as a gap is proved; returns the time up to which, >= to when throughout.
@@ -229,11 +167,13 @@ Search::First Search::firstPossible(double from, double to, double stop) {
       if (!first.found || low < first.time) first = {true, low, {}};
       return first.time;
     }
-    double operator()(std::int32_t ea, std::int32_t eb, double low, double high) {
+    double operator()(const Slab& slab, std::int32_t ea, std::int32_t eb, Span span) {
       Vec3 buffer_a[3], buffer_b[3];
       const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
-      const double t = search.advance(a, b, low, high, stop);
-      if (t > high) return kInfinity;
+      if (a.triangle >= 0 && b.triangle >= 0 && search.test_.trianglesApart(slab, a, b, span))
+        return kInfinity;
+      const double t = search.advance(a, b, span.low, span.high, stop);
+      if (t > span.high) return kInfinity;
       if (!first.found || t < first.time) first = {true, t, {ea, eb}};
       return first.time;
     }
@@ -249,16 +189,36 @@ std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t l
     std::vector<ElementPair>& pairs;
     std::size_t limit;
     double unresolved(double) { return -kInfinity; }
-    double operator()(std::int32_t ea, std::int32_t eb, double low, double high) {
+    double operator()(const Slab& slab, std::int32_t ea, std::int32_t eb, Span span) {
       Vec3 buffer_a[3], buffer_b[3];
       const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
-      if (search.advance(a, b, low, high, 0.0) <= high) pairs.push_back({ea, eb});
+      if (a.triangle >= 0 && b.triangle >= 0 && search.test_.trianglesApart(slab, a, b, span))
+        return kInfinity;
+      if (search.advance(a, b, span.low, span.high, 0.0) <= span.high) pairs.push_back({ea, eb});
       return pairs.size() < limit ? kInfinity : -kInfinity;
     }
   };
   std::vector<ElementPair> pairs;
   walk(from, to, Leaf{*this, pairs, limit});
   return pairs;
+}
+
+Proved Search::classifyElements(const Instant& now, const Element& a, const Element& b,
+                                ContactWitness& witness) const {
+  const Closest closest = closestPoints(Cores(now, a, b), Vec3::Zero());
+  const bool rounded = a.radius + b.radius + piece_.contact_distance > 0.0;
+  if (apartFrom(piece_, now, a, b, closest, rounded, 1e-300) > 0.0) return Proved::kApart;
+  return touchesAt(piece_, now, a, b, closest, witness) ? Proved::kContact : Proved::kNothing;
+}
+
+Proved Search::classifyPair(double t, ElementPair pair, ContactWitness* witness) {
+  ++node_tests_;
+  Vec3 buffer_a[3], buffer_b[3];
+  const Element a = piece_.a.element(pair.a, buffer_a), b = piece_.b.element(pair.b, buffer_b);
+  const Proved proved = classifyElements(piece_.at(t), a, b, *witness);
+  witness->element_a = pair.a;
+  witness->element_b = pair.b;
+  return proved;
 }
 
 Proved Search::classify(double t, ContactWitness* witness, double horizon) {
@@ -272,23 +232,25 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
       undecided = true;
       return -kInfinity;
     }
-    double operator()(std::int32_t ea, std::int32_t eb, double, double) {
+    double operator()(const Slab& slab, std::int32_t ea, std::int32_t eb, Span span) {
       Vec3 buffer_a[3], buffer_b[3];
-      const PairPiece& piece = search.piece_;
-      const Element a = piece.a.element(ea, buffer_a), b = piece.b.element(eb, buffer_b);
-      const Closest closest = closestPoints(Cores(now, a, b), Vec3::Zero());
-      const bool rounded = a.radius + b.radius + piece.contact_distance > 0.0;
-      if (apartFrom(piece, now, a, b, closest, rounded, 1e-300) > 0.0) return kInfinity;
+      const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
+      if (a.triangle >= 0 && b.triangle >= 0 && search.test_.trianglesApart(slab, a, b, span))
+        return kInfinity;
       ContactWitness w;
-      if (touchesAt(piece, now, a, b, closest, w)) {
-        w.element_a = ea;
-        w.element_b = eb;
-        found.push_back(std::move(w));
-        if (found.size() >= wanted) return -kInfinity;
-      } else {
-        undecided = true;
+      switch (search.classifyElements(now, a, b, w)) {
+        case Proved::kApart:
+          return kInfinity;
+        case Proved::kNothing:
+          undecided = true;
+          return kInfinity;
+        case Proved::kContact:
+          break;
       }
-      return kInfinity;
+      w.element_a = ea;
+      w.element_b = eb;
+      found.push_back(std::move(w));
+      return found.size() < wanted ? kInfinity : -kInfinity;
     }
   };
   constexpr std::size_t kCandidates = 64;

@@ -9,6 +9,8 @@
 
 #include "collision_node/impact/contact_proof.h"
 #include "collision_node/impact/gap_model.h"
+#include "collision_node/impact/node_test.h"
+#include "collision_node/impact/workspace.h"
 
 namespace collision_node::impact {
 
@@ -21,7 +23,7 @@ enum class Proved { kApart, kContact, kNothing };
 
 class Search {
  public:
-  Search(const PairPiece& piece, std::uint64_t node_budget) : piece_(piece), budget_(node_budget) {}
+  Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& workspace);
 
   struct First {
     bool found = false;
@@ -36,6 +38,9 @@ class Search {
   /// among those found, the one that provably lasts longest within [t, t + horizon].
   Proved classify(double t, ContactWitness* witness, double horizon = 0.0);
 
+  /// The same for the surfaces of one pair of elements, which need no walk.
+  Proved classifyPair(double t, ElementPair pair, ContactWitness* witness);
+
   /// Pairs of elements not proved apart throughout [from, to], at most `limit`.
   std::vector<ElementPair> nearPairs(double from, double to, std::size_t limit);
 
@@ -45,28 +50,20 @@ class Search {
   void countTest() { ++node_tests_; }
   bool exhausted() const { return node_tests_ > budget_; }
   std::uint64_t nodeTests() const { return node_tests_; }
-  std::uint64_t subdivisions() const { return subdivisions_; }
+  std::uint64_t subdivisions() const { return slabs_.subdivisions(); }
   const PairPiece& piece() const { return piece_; }
 
  private:
-  /// Linear models of the relative motion in both bodies' frames about the middle of a time slab.
-  struct Slab {
-    double middle, half;
-    Vec3 p0, p1, back_p0, back_p1;
-    Mat3 q0, q1, extent;            ///< extent >= |Q(s)| entrywise on the slab
-    double bend_a, bend_b, bend_q;  ///< |x''| <= bend_a + bend_q |y| in A's frame, bend_b in B's
-    double turn;                    ///< |omega_b - omega_a|
-    std::int32_t early = -1;        ///< children: early, early + 1
-  };
+  /// A pair of nodes and the part of its slab in which they can touch.
   struct Item {
     std::int32_t a, b, slab;
-    double low, high;
+    Span span;
   };
 
-  std::int32_t addSlab(double low, double high);
-  std::int32_t childOf(std::int32_t slab, bool late);
-  bool clip(Item& item) const;
-  bool prepare(Item& item);
+  bool settle(Item& item);
+  void push(Item item);
+  Proved classifyElements(const Instant& now, const Element& a, const Element& b,
+                          ContactWitness& witness) const;
   double advance(const Element& a, const Element& b, double from, double to, double stop);
   bool longestLasting(double t, double horizon, const std::vector<ContactWitness>& found,
                       ContactWitness* witness);
@@ -75,9 +72,18 @@ class Search {
   void walk(double from, double to, Leaf&& leaf);
 
   const PairPiece& piece_;
-  std::uint64_t budget_, node_tests_ = 0, subdivisions_ = 0;
-  std::vector<Slab> slabs_;
-  std::vector<Item> stack_;
+  const NodeTest test_;
+  std::uint64_t budget_, node_tests_ = 0;
+  TimeSlabs slabs_;
+  std::vector<Item>& stack_;
+
+  friend struct Workspace::Buffers;
+};
+
+/// What the walks keep between calls: capacity only.
+struct Workspace::Buffers {
+  std::vector<Slab> slabs;
+  std::vector<Search::Item> stack;
 };
 
 }  // namespace collision_node::impact

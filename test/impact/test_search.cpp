@@ -27,7 +27,8 @@ TEST(Search, FirstPossibleIsNeverLaterThanContact) {
     SCOPED_TRACE(c.describe());
     const moving::Pair pair = pairOf(c);
     const double duration = c.duration(), stop = 1e-10 * duration;
-    Search search(pair.solver, kPlenty);
+    Workspace workspace;
+    Search search(pair.solver, kPlenty, workspace);
     const Search::First first = search.firstPossible(0.0, duration, stop);
     ASSERT_FALSE(search.exhausted());
     found += first.found;
@@ -62,7 +63,8 @@ TEST(Search, ClassifyIsRightOrSaysNothing) {
     Random random(kSeed + 1, 100000 + i);
     for (int k = 0; k < 4; ++k) {
       const double t = random.unit() * c.duration();
-      Search search(pair.solver, kPlenty);
+      Workspace workspace;
+      Search search(pair.solver, kPlenty, workspace);
       ContactWitness witness;
       const Proved proved = search.classify(t, &witness);
       const Real distance = pair.exact.distance(t);
@@ -97,7 +99,8 @@ TEST(Search, WhatTouchesExactlyIsNotApart) {
               {moving::boxMesh({0.5, 0.5, 0.5}), sphere, {0.25, 0.25, -1.0}}};
   for (const auto& row : rows) {
     const moving::Pair pair({row.a}, {row.b}, {0, 1'000'000, moving::resting(), moving::resting(row.d)});
-    Search search(pair.solver, kPlenty);
+    Workspace workspace;
+    Search search(pair.solver, kPlenty, workspace);
     ContactWitness witness;
     EXPECT_NE(search.classify(0.0, &witness), Proved::kApart)
         << row.a.shape.index() << ' ' << row.b.shape.index();
@@ -115,7 +118,8 @@ TEST(Search, NearPairsHoldEveryPairThatTouches) {
     if (!truth.found || !truth.verified) continue;
     const double from = static_cast<double>(truth.hi) * (1 - 1e-9);
     const double to = std::min(c.duration(), static_cast<double>(truth.hi) * (1 + 1e-9));
-    Search search(pair.solver, kPlenty);
+    Workspace workspace;
+    Search search(pair.solver, kPlenty, workspace);
     if (pair.exact.nearest(truth.hi).inside) continue;
     EXPECT_FALSE(search.nearPairs(from, to, 10).empty());
     EXPECT_LE(search.nearPairs(from, to, 1).size(), 1u);
@@ -127,7 +131,8 @@ TEST(Search, OutOfReachIsAProof) {
   for (int i = 0; i < 120; ++i) {
     const fuzz::Case c = fuzz::makeCase(kSeed + 3, i);
     const moving::Pair pair = pairOf(c);
-    if (!Search(pair.solver, kPlenty).outOfReach()) continue;
+    Workspace workspace;
+    if (!Search(pair.solver, kPlenty, workspace).outOfReach()) continue;
     ++out;
     for (int k = 0; k <= 2; ++k)
       ASSERT_GT(pair.exact.distance(pair.exact.duration() * k / 2), c.options.contact_distance)
@@ -146,7 +151,8 @@ moving::Pair pastTorus(double offset, const Vec3& omega_a, int around = 120) {
 TEST(Search, PureTranslationNeedsNoTimeSubdivision) {
   for (const double offset : {0.0, 0.5, 1.0, 1.31}) {
     const moving::Pair pair = pastTorus(offset, Vec3::Zero());
-    Search search(pair.solver, kPlenty);
+    Workspace workspace;
+    Search search(pair.solver, kPlenty, workspace);
     EXPECT_EQ(search.firstPossible(0.0, pair.solver.motion.duration(), 1e-12).found, offset == 1.0);
     EXPECT_EQ(search.subdivisions(), 0u) << "offset " << offset;
     EXPECT_LT(search.nodeTests(), 3000u) << "offset " << offset;
@@ -156,13 +162,15 @@ TEST(Search, PureTranslationNeedsNoTimeSubdivision) {
 TEST(Search, WorkStaysBoundedForANearMiss) {
   for (const double gap : {1e-3, 1e-6, 1e-9}) {
     const moving::Pair pair = pastTorus(1.0 + 0.3 + 0.005 + gap, Vec3::Zero());
-    Search search(pair.solver, kPlenty);
+    Workspace workspace;
+    Search search(pair.solver, kPlenty, workspace);
     EXPECT_FALSE(search.firstPossible(0.0, pair.solver.motion.duration(), 1e-12).found) << "gap " << gap;
     EXPECT_LT(search.nodeTests(), 5000u) << "gap " << gap;
   }
   // The torus spins about its own axis, half a turn in the frame, a micrometre clear.
   const moving::Pair spinning = pastTorus(1.0 + 0.3 + 0.005 + 1e-6, Vec3(0, 0, 94.0));
-  Search search(spinning.solver, kPlenty);
+  Workspace workspace;
+  Search search(spinning.solver, kPlenty, workspace);
   EXPECT_FALSE(search.firstPossible(0.0, spinning.solver.motion.duration(), 1e-12).found);
   EXPECT_LT(search.nodeTests(), 50000u);
   std::printf("spinning near miss: %lu node tests, %lu subdivisions\n",
@@ -176,7 +184,8 @@ TEST(Search, ASpentBudgetIsReported) {
   const Search::First truth = plenty.firstPossible(0.0, pair.solver.motion.duration(), 1e-12);
   ASSERT_TRUE(truth.found);
   for (const std::uint64_t budget : {0u, 1u, 3u, 10u, 30u}) {
-    Search search(pair.solver, budget);
+    Workspace workspace;
+    Search search(pair.solver, budget, workspace);
     const Search::First first = search.firstPossible(0.0, pair.solver.motion.duration(), 1e-12);
     EXPECT_TRUE(search.exhausted()) << "budget " << budget;
     EXPECT_TRUE(first.found) << "budget " << budget;

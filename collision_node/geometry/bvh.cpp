@@ -1,0 +1,237 @@
+#include "collision_node/geometry/bvh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace collision_node::geometry {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+float roundedUp(double x) {
+  const auto f = static_cast<float>(x);
+  return static_cast<double>(f) < x ? std::nextafter(f, kInfinity) : f;
+}
+
+float roundedDown(double x) { return -roundedUp(-x); }
+
+/// A box of floats, four lanes so that a compiler may use one register; the last is not looked at.
+struct Box {
+  float lower[4] = {kInfinity, kInfinity, kInfinity, kInfinity};
+  float upper[4] = {-kInfinity, -kInfinity, -kInfinity, -kInfinity};
+
+  void add(const Box& o) {
+    for (int k = 0; k < 4; ++k) {
+      lower[k] = o.lower[k] < lower[k] ? o.lower[k] : lower[k];
+      upper[k] = o.upper[k] > upper[k] ? o.upper[k] : upper[k];
+    }
+  }
+  float halfArea() const {
+    const float x = upper[0] - lower[0], y = upper[1] - lower[1], z = upper[2] - lower[2];
+    return x * y + y * z + z * x;
+  }
+};
+
+struct Entry {
+  Box box;
+  std::int32_t element;
+
+  float twiceCentre(int axis) const { return box.lower[axis] + box.upper[axis]; }
+};
+
+/// Entries [begin, end) and the box around them.
+struct Range {
+  std::size_t begin = 0, end = 0;
+  Box box;
+
+  std::size_t count() const { return end - begin; }
+};
+
+class Builder {
+ public:
+  Builder(std::vector<Entry>& entries, const Vec3& origin, std::vector<BvhBlock>& blocks)
+      : entries_(entries), origin_(origin), blocks_(blocks) {
+    blocks_.reserve(entries.size() / 2 + 2);
+    Range all{0, entries.size(), {}};
+    for (const Entry& e : entries) all.box.add(e.box);
+    addBlock();
+    setNode(0, 0, all);
+  }
+
+ private:
+  static constexpr int kBins = 16;
+
+  std::int32_t addBlock() {
+    BvhBlock empty;
+    for (int i = 0; i < BvhBlock::kWidth; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        empty.centre[k][i] = 0.0F;
+        empty.half[k][i] = -0.25F * std::numeric_limits<float>::max();
+      }
+      empty.reach[i] = 0.0F;
+      empty.link[i] = -1;
+    }
+    blocks_.push_back(empty);
+    return static_cast<std::int32_t>(blocks_.size()) - 1;
+  }
+
+  /// Sets box, reach and link, and builds what lies below.
+  void setNode(std::int32_t block, int lane, const Range& range) {
+    double reach2 = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const double lower = range.box.lower[k], upper = range.box.upper[k];
+      const auto centre = static_cast<float>(0.5 * (lower + upper));
+      const double c = centre;
+      blocks_[block].centre[k][lane] = centre;
+      blocks_[block].half[k][lane] = roundedUp(std::max(upper - c, c - lower) * (1.0 + 1e-15));
+      const double far = std::max(std::abs(origin_[k] + lower), std::abs(origin_[k] + upper));
+      reach2 += far * far;
+    }
+    blocks_[block].reach[lane] = roundedUp(std::sqrt(reach2) * (1.0 + 1e-15));
+    blocks_[block].link[lane] = range.count() == 1 ? ~entries_[range.begin].element : split(range);
+  }
+
+  /// A block of two to four nodes for the range: the largest is halved until there are four.
+  std::int32_t split(const Range& range) {
+    Range ranges[BvhBlock::kWidth] = {range};
+    int count = 1;
+    while (count < BvhBlock::kWidth) {
+      int largest = -1;
+      for (int i = 0; i < count; ++i) {
+        if (ranges[i].count() > 1 &&
+            (largest < 0 || ranges[i].box.halfArea() > ranges[largest].box.halfArea()))
+          largest = i;
+      }
+      if (largest < 0) break;
+      Box halves[2];
+      const std::size_t middle = halve(ranges[largest].begin, ranges[largest].end, halves);
+      ranges[count++] = {middle, ranges[largest].end, halves[1]};
+      ranges[largest] = {ranges[largest].begin, middle, halves[0]};
+    }
+    const std::int32_t block = addBlock();
+    for (int i = 0; i < count; ++i) setNode(block, i, ranges[i]);
+    return block;
+  }
+
+  /// Puts the entries of the first child before those of the second; fills their boxes.
+  std::size_t halve(std::size_t begin, std::size_t end, Box halves[2]) {
+    float low[3] = {kInfinity, kInfinity, kInfinity}, high[3] = {-kInfinity, -kInfinity, -kInfinity};
+    for (std::size_t i = begin; i < end; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        const float c = entries_[i].twiceCentre(k);
+        low[k] = std::min(low[k], c);
+        high[k] = std::max(high[k], c);
+      }
+    }
+    int axis = 0;
+    for (int k = 1; k < 3; ++k) {
+      if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
+    }
+    const float extent = high[axis] - low[axis];
+    std::size_t middle = begin;
+    if (end - begin > 4 && extent > 0.0F) middle = splitByArea(begin, end, axis, low[axis], extent, halves);
+    if (middle == begin || middle == end) middle = splitByCount(begin, end, axis, halves);
+    return middle;
+  }
+
+  std::size_t splitByCount(std::size_t begin, std::size_t end, int axis, Box halves[2]) {
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto at = [&](std::size_t i) { return entries_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end), [axis](const Entry& x, const Entry& y) {
+      const float a = x.twiceCentre(axis), b = y.twiceCentre(axis);
+      return a != b ? a < b : x.element < y.element;  // a total order: the same tree everywhere
+    });
+    halves[0] = halves[1] = Box();
+    for (std::size_t i = begin; i < end; ++i) halves[i < middle ? 0 : 1].add(entries_[i].box);
+    return middle;
+  }
+
+  std::size_t splitByArea(std::size_t begin, std::size_t end, int axis, float low, float extent,
+                          Box halves[2]) {
+    const int bins = end - begin < 32 ? 8 : kBins;
+    Box boxes[kBins];
+    int counts[kBins] = {};
+    const float scale = static_cast<float>(bins) / extent;
+    const auto binOf = [&](const Entry& e) {
+      return std::min(static_cast<int>((e.twiceCentre(axis) - low) * scale), bins - 1);
+    };
+    for (std::size_t i = begin; i < end; ++i) {
+      const int bin = binOf(entries_[i]);
+      boxes[bin].add(entries_[i].box);
+      ++counts[bin];
+    }
+    Box after[kBins];  // everything in bin b and behind it
+    int count_after[kBins];
+    after[bins - 1] = boxes[bins - 1];
+    count_after[bins - 1] = counts[bins - 1];
+    for (int b = bins - 2; b > 0; --b) {
+      after[b] = after[b + 1];
+      after[b].add(boxes[b]);
+      count_after[b] = count_after[b + 1] + counts[b];
+    }
+    Box sweep;
+    int count = 0, best_bin = 0;
+    float best = kInfinity;
+    for (int b = 0; b + 1 < bins; ++b) {
+      sweep.add(boxes[b]);
+      count += counts[b];
+      if (count == 0 || count_after[b + 1] == 0) continue;
+      const float cost = static_cast<float>(count) * sweep.halfArea() +
+                         static_cast<float>(count_after[b + 1]) * after[b + 1].halfArea();
+      if (cost < best) {
+        best = cost;
+        best_bin = b;
+        halves[0] = sweep;
+        halves[1] = after[b + 1];
+      }
+    }
+    if (!(best < kInfinity)) return begin;
+    const auto middle = std::partition(entries_.begin() + static_cast<std::ptrdiff_t>(begin),
+                                       entries_.begin() + static_cast<std::ptrdiff_t>(end),
+                                       [&](const Entry& e) { return binOf(e) <= best_bin; });
+    return static_cast<std::size_t>(middle - entries_.begin());
+  }
+
+  std::vector<Entry>& entries_;
+  const Vec3 origin_;
+  std::vector<BvhBlock>& blocks_;
+};
+
+}  // namespace
+
+Bvh::Bvh(const std::vector<Bounds>& boxes) {
+  Vec3 lower = boxes[0].lower, upper = boxes[0].upper;
+  for (const Bounds& b : boxes) {
+    lower = lower.cwiseMin(b.lower);
+    upper = upper.cwiseMax(b.upper);
+  }
+  origin_ = 0.5 * lower + 0.5 * upper;
+  std::vector<Entry> entries(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      // The difference is rounded once: relative to its own size, which the factor covers.
+      const double low = boxes[i].lower[k] - origin_[k], high = boxes[i].upper[k] - origin_[k];
+      entries[i].box.lower[k] = roundedDown(low - 2.3e-16 * std::abs(low));
+      entries[i].box.upper[k] = roundedUp(high + 2.3e-16 * std::abs(high));
+    }
+    entries[i].box.lower[3] = entries[i].box.upper[3] = 0.0F;
+    entries[i].element = static_cast<std::int32_t>(i);
+  }
+  Builder(entries, origin_, blocks_);
+  blocks_.shrink_to_fit();
+}
+
+bool Bvh::exists(std::int32_t node) const { return (*this)[node].half[0] >= 0.0F; }
+
+Vec3 Bvh::centre(std::int32_t node) const {
+  const BvhNode n = (*this)[node];
+  return origin_ + Vec3(n.centre[0], n.centre[1], n.centre[2]);
+}
+
+Vec3 Bvh::half(std::int32_t node) const {
+  const BvhNode n = (*this)[node];
+  return {n.half[0], n.half[1], n.half[2]};
+}
+
+}  // namespace collision_node::geometry

@@ -1,0 +1,76 @@
+/// A bounding volume hierarchy of axis-aligned boxes, four children a block, one element a leaf, about 43
+/// bytes an element.
+///
+/// Guarantee: every node's box, and its reach, hold what they were built from in exact arithmetic: boxes are
+/// floats relative to the hierarchy's own origin, rounded outward. Source of the build: Wald 2007, binned
+/// surface area heuristic.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "collision_node/geometry/types.h"
+
+namespace collision_node::geometry {
+
+/// An axis-aligned box [m].
+struct Bounds {
+  Vec3 lower, upper;
+};
+
+/// One node, gathered from its block.
+struct BvhNode {
+  float centre[3];    ///< relative to Bvh::origin() [m]
+  float half[3];      ///< half extents [m]
+  float reach;        ///< >= distance of any point of the node from the *frame's* origin [m]
+  std::int32_t link;  ///< >= 0: the block of its children; < 0: a leaf of element ~link
+
+  bool leaf() const { return link < 0; }
+  std::int32_t element() const { return ~link; }
+};
+
+/// Up to four nodes with the same parent, laid out so that one operation serves all of them.
+struct alignas(64) BvhBlock {
+  static constexpr int kWidth = 4;
+  float centre[3][kWidth];
+  float half[3][kWidth];  ///< far below zero where there is no node: such a box meets nothing
+  float reach[kWidth];
+  std::int32_t link[kWidth];
+};
+
+class Bvh {
+ public:
+  static constexpr std::int32_t kRoot = 0;
+
+  Bvh() = default;
+  /// `boxes[i]` holds element i, in the body's frame. The same boxes give the same tree on any machine.
+  explicit Bvh(const std::vector<Bounds>& boxes);
+
+  /// Nodes are numbered 4 block + lane.
+  BvhNode operator[](std::int32_t node) const;
+  const BvhBlock& block(std::int32_t i) const { return blocks_[i]; }
+  /// Some numbers below are not nodes: exists() tells.
+  std::int32_t size() const { return BvhBlock::kWidth * static_cast<std::int32_t>(blocks_.size()); }
+  bool exists(std::int32_t node) const;
+  const Vec3& origin() const { return origin_; }
+
+  /// The node's box in the body's frame: exact sums of doubles need not be representable, hence for proofs
+  /// the caller works relative to origin(), or budgets for the sum.
+  Vec3 centre(std::int32_t node) const;
+  Vec3 half(std::int32_t node) const;
+
+ private:
+  Vec3 origin_ = Vec3::Zero();
+  std::vector<BvhBlock> blocks_;
+};
+
+inline BvhNode Bvh::operator[](std::int32_t node) const {
+  const BvhBlock& b = blocks_[node / BvhBlock::kWidth];
+  const int i = node % BvhBlock::kWidth;
+  return {{b.centre[0][i], b.centre[1][i], b.centre[2][i]},
+          {b.half[0][i], b.half[1][i], b.half[2][i]},
+          b.reach[i],
+          b.link[i]};
+}
+
+}  // namespace collision_node::geometry
