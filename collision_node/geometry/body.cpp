@@ -52,6 +52,7 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   if (shapes_.empty()) throw std::invalid_argument("a body needs at least one shape");
   first_triangle_of_shape_.assign(shapes_.size(), -1);
 
+  std::vector<std::int32_t> first_vertex_of;  // of a primitive; -1 for a cylinder
   for (std::size_t s = 0; s < shapes_.size(); ++s) {
     const Pose& origin = shapes_[s].origin;
     // A rotated coordinate and its sum with the origin: under sixteen roundings of terms of this size.
@@ -64,9 +65,9 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       e.count = static_cast<int>(points.size());
       e.radius = radius;
       e.shape = static_cast<int>(s);
-      primitive_first_vertex_.push_back(static_cast<std::int32_t>(vertices_.size()));
-      for (const Vec3& p : points) vertices_.push_back(place(p));
-      representatives_.push_back(vertices_.back());
+      first_vertex_of.push_back(static_cast<std::int32_t>(primitive_vertices_.size()));
+      for (const Vec3& p : points) primitive_vertices_.push_back(place(p));
+      representatives_.push_back(primitive_vertices_.back());
       primitives_.push_back(e);
     };
     const Shape& shape = shapes_[s].shape;
@@ -92,7 +93,7 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       e.rim_radius = cylinder->radius;
       e.half_length = 0.5 * cylinder->length;
       e.shape = static_cast<int>(s);
-      primitive_first_vertex_.push_back(-1);
+      first_vertex_of.push_back(-1);
       representatives_.push_back(e.centre);
       primitives_.push_back(e);
     } else if (const auto* convex = std::get_if<Convex>(&shape)) {
@@ -105,8 +106,8 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       std::vector<int> parent(mesh.vertices.size());
       std::iota(parent.begin(), parent.end(), 0);
       for (const auto& t : mesh.triangles) {
-        triangles_.push_back(
-            {{first_vertex + t[0], first_vertex + t[1], first_vertex + t[2]}, static_cast<std::int32_t>(s)});
+        const auto id = static_cast<std::int32_t>(triangles_.size());
+        triangles_.push_back({{first_vertex + t[0], first_vertex + t[1], first_vertex + t[2]}, id});
         const int root = rootOf(parent, t[0]);
         parent[rootOf(parent, t[1])] = root;
         parent[rootOf(parent, t[2])] = rootOf(parent, root);
@@ -117,16 +118,13 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
         if (!seen[root]) representatives_.push_back(vertices_[first_vertex + t[0]]);
         seen[root] = true;
       }
-      if (mesh.solid) {
-        solids_.push_back(
-            {static_cast<int>(s), first_triangle_of_shape_[s], static_cast<std::int32_t>(triangles_.size())});
-      }
+      if (mesh.solid) solids_.push_back(static_cast<int>(s));
     }
   }
 
   triangle_count_ = static_cast<std::int32_t>(triangles_.size());
   for (std::size_t p = 0; p < primitives_.size(); ++p) {
-    if (primitive_first_vertex_[p] >= 0) primitives_[p].vertices = &vertices_[primitive_first_vertex_[p]];
+    if (first_vertex_of[p] >= 0) primitives_[p].vertices = &primitive_vertices_[first_vertex_of[p]];
   }
   std::vector<Bounds> boxes;
   boxes.reserve(elementCount());
@@ -134,10 +132,12 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   for (std::int32_t id = 0; id < elementCount(); ++id) boxes.push_back(boundsOf(element(id, buffer)));
   if (boxes.empty()) throw std::invalid_argument("a body needs at least one triangle or primitive");
   bvh_ = Bvh(boxes);
+  storeInOrderOfTheTree();
 
   // The sphere about the root box's centre; |v - c| of the outermost vertex, not the box's diagonal.
   const Vec3 c = centre();
   for (const Vec3& v : vertices_) radius_ = std::max(radius_, (v - c).norm());
+  for (const Vec3& v : primitive_vertices_) radius_ = std::max(radius_, (v - c).norm());
   double grown = 0.0;
   for (const Element& e : primitives_) {
     grown = std::max(grown, e.radius);
@@ -148,6 +148,34 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   radius_ = (radius_ + grown) * kUp + 4e-16 * c.norm();
 }
 
+/// Triangles and vertices that are looked at together lie together.
+void Body::storeInOrderOfTheTree() {
+  std::vector<std::int32_t> new_id(elementCount()), new_vertex(vertices_.size(), -1);
+  std::iota(new_id.begin(), new_id.end(), 0);
+  std::vector<Triangle> triangles;
+  std::vector<Vec3> vertices;
+  triangles.reserve(triangles_.size());
+  vertices.reserve(vertices_.size());
+  for (std::int32_t node = 0; node < bvh_.size(); ++node) {
+    if (!bvh_.exists(node) || !bvh_[node].leaf() || bvh_[node].element() >= triangle_count_) continue;
+    const std::int32_t id = bvh_[node].element();
+    new_id[id] = static_cast<std::int32_t>(triangles.size());
+    Triangle t = triangles_[id];
+    for (std::int32_t& v : t.v) {
+      if (new_vertex[v] < 0) {
+        new_vertex[v] = static_cast<std::int32_t>(vertices.size());
+        vertices.push_back(vertices_[v]);
+      }
+      v = new_vertex[v];
+    }
+    triangles.push_back(t);
+  }
+  bvh_.renumber(new_id);
+  triangles_ = std::move(triangles);
+  vertices.shrink_to_fit();
+  vertices_ = std::move(vertices);
+}
+
 Element Body::element(std::int32_t id, Vec3* buffer) const {
   if (id >= triangle_count_) return primitives_[id - triangle_count_];
   const Triangle& t = triangles_[id];
@@ -155,8 +183,9 @@ Element Body::element(std::int32_t id, Vec3* buffer) const {
   Element e;
   e.vertices = buffer;
   e.count = 3;
-  e.shape = t.shape;
-  e.triangle = id - first_triangle_of_shape_[t.shape];
+  e.shape = static_cast<int>(first_triangle_of_shape_.size()) - 1;
+  while (first_triangle_of_shape_[e.shape] < 0 || first_triangle_of_shape_[e.shape] > t.loaded) --e.shape;
+  e.triangle = t.loaded - first_triangle_of_shape_[e.shape];
   return e;
 }
 

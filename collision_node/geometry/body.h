@@ -25,12 +25,6 @@ struct Element {
   int triangle = -1;          ///< index into the mesh's triangles, -1 for a primitive
 };
 
-/// A closed mesh inside a body, for the inside test.
-struct SolidMesh {
-  int shape = -1;
-  std::int32_t first_element = 0, end_element = 0;  ///< its triangles
-};
-
 /// Immutable after construction; safe to share between threads.
 class Body {
  public:
@@ -47,7 +41,7 @@ class Body {
   Element element(std::int32_t id, Vec3* buffer) const;
 
   const Bvh& bvh() const { return bvh_; }
-  const std::vector<SolidMesh>& solids() const { return solids_; }
+  const std::vector<int>& solids() const { return solids_; }  ///< shapes that are closed meshes
   /// One point of every connected component of the body: if none is inside a solid, and the surfaces are
   /// apart, nothing of this body is inside it.
   const std::vector<Vec3>& representatives() const { return representatives_; }
@@ -60,17 +54,19 @@ class Body {
  private:
   struct Triangle {
     std::int32_t v[3];
-    std::int32_t shape;
+    std::int32_t loaded;  ///< its number among all triangles as loaded
   };
+
+  void storeInOrderOfTheTree();
 
   std::vector<PlacedShape> shapes_;
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;
-  std::vector<std::int32_t> first_triangle_of_shape_;
+  std::vector<std::int32_t> first_triangle_of_shape_;  ///< as loaded; -1: not a mesh
   std::vector<Element> primitives_;
-  std::vector<std::int32_t> primitive_first_vertex_;
+  std::vector<Vec3> primitive_vertices_;
   Bvh bvh_;
-  std::vector<SolidMesh> solids_;
+  std::vector<int> solids_;
   std::vector<Vec3> representatives_;
   double radius_ = 0.0, placing_error_ = 0.0;
   std::int32_t triangle_count_ = 0;

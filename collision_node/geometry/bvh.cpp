@@ -222,6 +222,14 @@ Bvh::Bvh(const std::vector<Bounds>& boxes) {
   blocks_.shrink_to_fit();
 }
 
+void Bvh::renumber(const std::vector<std::int32_t>& new_id) {
+  for (BvhBlock& block : blocks_) {
+    for (int i = 0; i < BvhBlock::kWidth; ++i) {
+      if (block.half[0][i] >= 0.0F && block.link[i] < 0) block.link[i] = ~new_id[~block.link[i]];
+    }
+  }
+}
+
 bool Bvh::exists(std::int32_t node) const { return (*this)[node].half[0] >= 0.0F; }
 
 Vec3 Bvh::centre(std::int32_t node) const {

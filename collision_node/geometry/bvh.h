@@ -49,10 +49,18 @@ class Bvh {
   /// Nodes are numbered 4 block + lane.
   BvhNode operator[](std::int32_t node) const;
   const BvhBlock& block(std::int32_t i) const { return blocks_[i]; }
+  /// Asks for a block that will be needed soon; `link` as in BvhNode.
+  void prefetch(std::int32_t link) const {
+    if (link < 0) return;
+    __builtin_prefetch(&blocks_[link]);
+    __builtin_prefetch(reinterpret_cast<const char*>(&blocks_[link]) + 64);
+  }
   /// Some numbers below are not nodes: exists() tells.
   std::int32_t size() const { return BvhBlock::kWidth * static_cast<std::int32_t>(blocks_.size()); }
   bool exists(std::int32_t node) const;
   const Vec3& origin() const { return origin_; }
+  /// Element i is called new_id[i] from now on.
+  void renumber(const std::vector<std::int32_t>& new_id);
 
   /// The node's box in the body's frame: exact sums of doubles need not be representable, hence for proofs
   /// the caller works relative to origin(), or budgets for the sum.

@@ -54,8 +54,7 @@ bool crossing(const Vec3& p, const Vec3& u, const Element& t, double error, int*
   return true;
 }
 
-bool windingAlong(const Body& body, const geometry::SolidMesh& solid, const Vec3& p, const Vec3& u,
-                  double error, int* winding) {
+bool windingAlong(const Body& body, int solid, const Vec3& p, const Vec3& u, double error, int* winding) {
   const geometry::Bvh& bvh = body.bvh();
   std::vector<std::int32_t> stack = {geometry::Bvh::kRoot};
   Vec3 buffer[3];
@@ -68,18 +67,20 @@ bool windingAlong(const Body& body, const geometry::SolidMesh& solid, const Vec3
     if (!node.leaf()) {
       for (int i = 0; i < geometry::BvhBlock::kWidth; ++i)
         stack.push_back(geometry::BvhBlock::kWidth * node.link + i);
-    } else if (node.element() >= solid.first_element && node.element() < solid.end_element) {
-      int sign = 0;
-      if (!crossing(p, u, body.element(node.element(), buffer), error, &sign)) return false;
-      *winding += sign;
+      continue;
     }
+    const Element element = body.element(node.element(), buffer);
+    if (element.shape != solid) continue;
+    int sign = 0;
+    if (!crossing(p, u, element, error, &sign)) return false;
+    *winding += sign;
   }
   return true;
 }
 
 Where anyInside(const Body& body, const std::vector<Vec3>& points, double error, Vec3* found) {
   Where answer = Where::kOutside;
-  for (const auto& solid : body.solids()) {
+  for (const int solid : body.solids()) {
     for (const Vec3& p : points) {
       const Where where = whereIn(body, solid, p, error);
       if (where == Where::kInside) {
@@ -94,7 +95,7 @@ Where anyInside(const Body& body, const std::vector<Vec3>& points, double error,
 
 }  // namespace
 
-Where whereIn(const Body& body, const geometry::SolidMesh& solid, const Vec3& point, double error) {
+Where whereIn(const Body& body, int solid, const Vec3& point, double error) {
   const Vec3 off = (point - body.bvh().centre(0)).cwiseAbs() - body.bvh().half(0);
   if (off.maxCoeff() > error + 1e-12 * (body.reach() + point.norm())) return Where::kOutside;
   for (const Vec3& u : kDirections) {

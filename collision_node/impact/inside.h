@@ -7,9 +7,10 @@ namespace collision_node::impact {
 
 enum class Where { kInside, kOutside, kUnknown };
 
-/// `point` is in the body's frame and known to within `error`. Non-zero winding number is inside.
-/// kInside and kOutside are proofs for every point of the ball; kUnknown says nothing.
-Where whereIn(const Body& body, const geometry::SolidMesh& solid, const Vec3& point, double error);
+/// `solid` is the number of a shape, one of body.solids(). `point` is in the body's frame and known to within
+/// `error`. Non-zero winding number is inside. kInside and kOutside are proofs for every point of the ball;
+/// kUnknown says nothing.
+Where whereIn(const Body& body, int solid, const Vec3& point, double error);
 
 /// Does one body's solid hold a part of the other? Meant for an instant at which all surfaces are proved
 /// apart. kInside: yes, proved; kOutside: no, proved, for all parts. `held` receives a common point relative

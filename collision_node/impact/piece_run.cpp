@@ -61,7 +61,7 @@ class Run {
       }
       if (state_.phase == Phase::kApart) {
         if (t >= end_) break;  // just proved
-        const Search::First first = search_.firstPossible(t, end_, 0.1 * width_);
+        const Search::First first = search_.firstPossible(t, end_, 0.1 * width_, 2.0 * width_);
         if (!first.found) break;
         free_since_ = t;
         open(Kind::kImpact, first.time, first.pair);

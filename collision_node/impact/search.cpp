@@ -14,7 +14,7 @@ constexpr double kUp = 1.0 + 64.0 * kUnit;
 
 /// Split time rather than space when the motion's remainder exceeds this share of the nodes' sizes (measured:
 /// flat from 0.03 to 0.1).
-constexpr double kTimeSplit = 0.06;
+constexpr double kTimeSplit = 0.045;
 
 constexpr int kWidth = geometry::BvhBlock::kWidth;
 
@@ -51,22 +51,21 @@ Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& wor
       test_(piece),
       budget_(node_budget),
       slabs_(piece, workspace.buffers().slabs),
-      stack_(workspace.buffers().stack) {}
+      stack_(workspace.buffers().stack),
+      near_(workspace.buffers().near) {}
 
-/// Moves to ever smaller slabs as long as the rest of the time fits into one; false when nothing is left.
-bool Search::settle(Item& item) {
-  while (!item.span.empty()) {
-    const Slab& slab = slabs_[item.slab];
-    if (slab.straight) return true;
-    const bool late = item.span.low >= slab.middle;
-    if (!late && item.span.high > slab.middle) return true;
-    if (!(slab.half > 16.0 * kUnit * piece_.motion.duration())) return true;
+/// Keeps an item that has time left, in the smallest slab that was made for it or is worth making. Its boxes
+/// are tested again only with its children: a test costs as much as theirs.
+void Search::push(Item item) {
+  if (item.span.empty()) return;
+  while (!slabs_[item.slab].straight) {
+    const double middle = slabs_[item.slab].middle;
+    const bool late = item.span.low >= middle;
+    if (!late && item.span.high > middle) break;
+    if (!(slabs_[item.slab].half > 16.0 * kUnit * piece_.motion.duration())) break;
     item.slab = slabs_.childOf(item.slab, late);
-    if (item.span.high - item.span.low < slabs_[item.slab].half) continue;  // a better slab is below
-    ++node_tests_;
-    item.span = test_.clip(slabs_[item.slab], piece_.a.bvh()[item.a], piece_.b.bvh()[item.b], item.span);
   }
-  return false;
+  stack_.push_back(item);
 }
 
 template <typename Leaf>
@@ -76,8 +75,7 @@ void Search::walk(double from, double to, Leaf&& leaf) {
   const geometry::Bvh &tree_a = piece_.a.bvh(), &tree_b = piece_.b.bvh();
   ++node_tests_;
   constexpr std::int32_t kRoot = geometry::Bvh::kRoot;
-  Item root{kRoot, kRoot, 0, test_.clip(slabs_[0], tree_a[kRoot], tree_b[kRoot], {from, to})};
-  if (settle(root)) stack_.push_back(root);
+  push({kRoot, kRoot, 0, test_.clip(slabs_[0], tree_a[kRoot], tree_b[kRoot], {from, to})});
   double until = kInfinity;
   while (!stack_.empty()) {
     const Item item = stack_.back();
@@ -112,9 +110,9 @@ void Search::walk(double from, double to, Leaf&& leaf) {
     }
     const bool of_a = nb.leaf() || (!na.leaf() && size_a >= size_b);
     const std::int32_t link = of_a ? na.link : nb.link;
+    const geometry::BvhBlock& children = of_a ? tree_a.block(link) : tree_b.block(link);
     Span spans[kWidth];
-    test_.clipChildren(slab, of_a ? tree_a.block(link) : tree_b.block(link), of_a, of_a ? nb : na, item.span,
-                       spans);
+    test_.clipChildren(slab, children, of_a, of_a ? nb : na, item.span, spans);
     ++node_tests_;
     // Sorted by time, so that the nearest is pushed last and looked at first.
     int order[kWidth], kept = 0;
@@ -126,14 +124,11 @@ void Search::walk(double from, double to, Leaf&& leaf) {
       order[place] = i;
     }
     for (int i = 0; i < kept; ++i) {
+      (of_a ? tree_a : tree_b).prefetch(children.link[order[i]]);
       const std::int32_t child = kWidth * link + order[i];
       push({of_a ? child : item.a, of_a ? item.b : child, item.slab, spans[order[i]]});
     }
   }
-}
-
-void Search::push(Item item) {
-  if (settle(item)) stack_.push_back(item);
 }
 
 /// Steps from `from` as long as a gap is proved; returns the time up to which, >= to when throughout.
@@ -158,14 +153,14 @@ double Search::advance(const Element& a, const Element& b, double from, double t
   return t;
 }
 
-Search::First Search::firstPossible(double from, double to, double stop) {
+Search::First Search::firstPossible(double from, double to, double stop, double window) {
   struct Leaf {
     Search& search;
-    double stop;
+    double stop, window;
     First& first;
     double unresolved(double low) {
       if (!first.found || low < first.time) first = {true, low, {}};
-      return first.time;
+      return first.time + window;
     }
     double operator()(const Slab& slab, std::int32_t ea, std::int32_t eb, Span span) {
       Vec3 buffer_a[3], buffer_b[3];
@@ -175,11 +170,17 @@ Search::First Search::firstPossible(double from, double to, double stop) {
       const double t = search.advance(a, b, span.low, span.high, stop);
       if (t > span.high) return kInfinity;
       if (!first.found || t < first.time) first = {true, t, {ea, eb}};
-      return first.time;
+      search.near_.push_back({{ea, eb}, t});
+      return first.time + window;
     }
   };
   First first;
-  walk(from, to, Leaf{*this, stop, first});
+  near_.clear();
+  walk(from, to, Leaf{*this, stop, window, first});
+  near_from_ = exhausted() ? kInfinity : from;
+  near_to_ = first.found ? first.time + window : to;
+  near_.erase(std::remove_if(near_.begin(), near_.end(), [&](const Near& n) { return n.time > near_to_; }),
+              near_.end());
   return first;
 }
 
@@ -194,12 +195,27 @@ std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t l
       const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
       if (a.triangle >= 0 && b.triangle >= 0 && search.test_.trianglesApart(slab, a, b, span))
         return kInfinity;
+      return advance(ea, eb, span);
+    }
+    double advance(std::int32_t ea, std::int32_t eb, Span span) {
+      Vec3 buffer_a[3], buffer_b[3];
+      const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
+      const auto same = [&](const ElementPair& p) { return p.a == ea && p.b == eb; };
+      if (std::any_of(pairs.begin(), pairs.end(), same)) return kInfinity;  // in two slabs
       if (search.advance(a, b, span.low, span.high, 0.0) <= span.high) pairs.push_back({ea, eb});
       return pairs.size() < limit ? kInfinity : -kInfinity;
     }
   };
   std::vector<ElementPair> pairs;
-  walk(from, to, Leaf{*this, pairs, limit});
+  Leaf leaf{*this, pairs, limit};
+  if (from >= near_from_ && to <= near_to_) {  // all of them were seen a moment ago
+    for (const Near& near : near_) {
+      ++node_tests_;
+      if (leaf.advance(near.pair.a, near.pair.b, {from, to}) < 0.0) break;
+    }
+  } else {
+    walk(from, to, leaf);
+  }
   return pairs;
 }
 

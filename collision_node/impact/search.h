@@ -5,6 +5,7 @@
 /// reported, never dropped. Source of the walk and its bounds: docs/solver.md, "The node test".
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "collision_node/impact/contact_proof.h"
@@ -32,7 +33,8 @@ class Search {
   };
 
   /// The first time in [from, to] that is not proved free. Steps shorter than `stop` are not refined further.
-  First firstPossible(double from, double to, double stop);
+  /// With a window, nearPairs() of times in [first.time, first.time + window] needs no walk of its own.
+  First firstPossible(double from, double to, double stop, double window = 0.0);
 
   /// Surfaces, then solids, at one instant. kContact fills `witness`; with a horizon > 0 the witness is,
   /// among those found, the one that provably lasts longest within [t, t + horizon].
@@ -60,7 +62,12 @@ class Search {
     Span span;
   };
 
-  bool settle(Item& item);
+  /// A pair that is proved apart before `time`.
+  struct Near {
+    ElementPair pair;
+    double time;
+  };
+
   void push(Item item);
   Proved classifyElements(const Instant& now, const Element& a, const Element& b,
                           ContactWitness& witness) const;
@@ -76,6 +83,9 @@ class Search {
   std::uint64_t budget_, node_tests_ = 0;
   TimeSlabs slabs_;
   std::vector<Item>& stack_;
+  /// Every pair of elements that is not proved apart throughout [near_from_, near_to_] is among these.
+  std::vector<Near>& near_;
+  double near_from_ = std::numeric_limits<double>::infinity(), near_to_ = 0.0;
 
   friend struct Workspace::Buffers;
 };
@@ -84,6 +94,7 @@ class Search {
 struct Workspace::Buffers {
   std::vector<Slab> slabs;
   std::vector<Search::Item> stack;
+  std::vector<Search::Near> near;
 };
 
 }  // namespace collision_node::impact

@@ -249,11 +249,7 @@ TEST(Body, IdsNameShapesAndTriangles) {
   }
   EXPECT_EQ(seen.size(), 7u + 4u + 6u);  // soup, tetrahedron, six primitives
   ASSERT_EQ(body.solids().size(), 1u);   // the soup is open
-  EXPECT_EQ(body.solids()[0].shape, 4);
-  for (std::int32_t id = body.solids()[0].first_element; id < body.solids()[0].end_element; ++id) {
-    EXPECT_EQ(body.element(id, buffer).shape, 4);
-  }
-  EXPECT_EQ(body.solids()[0].end_element - body.solids()[0].first_element, 4);
+  EXPECT_EQ(body.solids()[0], 4);
 }
 
 TEST(Body, OneRepresentativeForEveryConnectedComponent) {
