@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "collision_node/impact/inside.h"
+#include "collision_node/impact/triangle_pair.h"
 
 namespace collision_node::impact {
 namespace {
@@ -134,15 +135,19 @@ void Search::walk(double from, double to, Leaf&& leaf) {
 /// Steps from `from` as long as a gap is proved; returns the time up to which, >= to when throughout.
 double Search::advance(const Element& a, const Element& b, double from, double to, double stop) {
   const bool rounded = a.radius + b.radius + piece_.contact_distance > 0.0;
+  const bool triangles = a.triangle >= 0 && b.triangle >= 0;
   constexpr int kMaxSteps = 4000;
   double t = from;
   Vec3 guess = Vec3::Zero();
   for (int step = 0; step < kMaxSteps; ++step) {
     if (step > 0) ++node_tests_;
     const Instant now = piece_.at(t);
-    const Closest closest = closestPoints(Cores(now, a, b), guess);
-    guess = closest.v;
-    const double s = apartFrom(piece_, now, a, b, closest, rounded, to - t);
+    double s = triangles ? TrianglePair(piece_, now, a, b).apartFor(to - t) : 0.0;
+    if (s < to - t && !(s > stop)) {
+      const Closest closest = closestPoints(Cores(now, a, b), guess);
+      guess = closest.v;
+      s = std::max(s, apartFrom(piece_, now, a, b, closest, rounded, to - t));
+    }
     if (!(s > 0.0)) return t;
     if (s >= to - t) return kInfinity;
     const double next = t + s;
