@@ -156,9 +156,8 @@ void Body::storeInOrderOfTheTree() {
   std::vector<Vec3> vertices;
   triangles.reserve(triangles_.size());
   vertices.reserve(vertices_.size());
-  for (std::int32_t node = 0; node < bvh_.size(); ++node) {
-    if (!bvh_.exists(node) || !bvh_[node].leaf() || bvh_[node].element() >= triangle_count_) continue;
-    const std::int32_t id = bvh_[node].element();
+  for (const std::int32_t id : bvh_.order()) {
+    if (id >= triangle_count_) continue;
     new_id[id] = static_cast<std::int32_t>(triangles.size());
     Triangle t = triangles_[id];
     for (std::int32_t& v : t.v) {
@@ -174,6 +173,11 @@ void Body::storeInOrderOfTheTree() {
   triangles_ = std::move(triangles);
   vertices.shrink_to_fit();
   vertices_ = std::move(vertices);
+  bvh_.addPlates([this](std::int32_t id) -> Bvh::Corners {
+    if (id >= triangle_count_) return {};
+    const Triangle& t = triangles_[id];
+    return {&vertices_[t.v[0]], &vertices_[t.v[1]], &vertices_[t.v[2]]};
+  });
 }
 
 Element Body::element(std::int32_t id, Vec3* buffer) const {

@@ -50,8 +50,10 @@ struct Range {
 
 class Builder {
  public:
-  Builder(std::vector<Entry>& entries, const Vec3& origin, std::vector<BvhBlock>& blocks)
-      : entries_(entries), origin_(origin), blocks_(blocks) {
+  using Holds = std::function<void(std::int32_t node, std::size_t begin, std::size_t end)>;
+
+  Builder(std::vector<Entry>& entries, const Vec3& origin, std::vector<BvhBlock>& blocks, Holds holds)
+      : entries_(entries), origin_(origin), blocks_(blocks), holds_(std::move(holds)) {
     blocks_.reserve(entries.size() / 2 + 2);
     Range all{0, entries.size(), {}};
     for (const Entry& e : entries) all.box.add(e.box);
@@ -69,7 +71,8 @@ class Builder {
         empty.centre[k][i] = 0.0F;
         empty.half[k][i] = -0.25F * std::numeric_limits<float>::max();
       }
-      empty.reach[i] = 0.0F;
+      for (int k = 0; k < 3; ++k) empty.plate[k][i] = 0;
+      empty.plate_middle[i] = empty.plate_half[i] = empty.reach[i] = 0.0F;
       empty.link[i] = -1;
     }
     blocks_.push_back(empty);
@@ -78,6 +81,7 @@ class Builder {
 
   /// Sets box, reach and link, and builds what lies below.
   void setNode(std::int32_t block, int lane, const Range& range) {
+    holds_(BvhBlock::kWidth * block + lane, range.begin, range.end);
     double reach2 = 0.0;
     for (int k = 0; k < 3; ++k) {
       const double lower = range.box.lower[k], upper = range.box.upper[k];
@@ -196,6 +200,7 @@ class Builder {
   std::vector<Entry>& entries_;
   const Vec3 origin_;
   std::vector<BvhBlock>& blocks_;
+  const Holds holds_;
 };
 
 }  // namespace
@@ -218,8 +223,15 @@ Bvh::Bvh(const std::vector<Bounds>& boxes) {
     entries[i].box.lower[3] = entries[i].box.upper[3] = 0.0F;
     entries[i].element = static_cast<std::int32_t>(i);
   }
-  Builder(entries, origin_, blocks_);
+  held_.reserve(4 * boxes.size());
+  Builder(entries, origin_, blocks_, [this](std::int32_t node, std::size_t begin, std::size_t end) {
+    if (held_.size() <= static_cast<std::size_t>(node)) held_.resize(node + BvhBlock::kWidth);
+    held_[node] = {static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end)};
+  });
+  held_.resize(size());
   blocks_.shrink_to_fit();
+  order_.reserve(entries.size());
+  for (const Entry& e : entries) order_.push_back(e.element);
 }
 
 void Bvh::renumber(const std::vector<std::int32_t>& new_id) {
@@ -228,6 +240,51 @@ void Bvh::renumber(const std::vector<std::int32_t>& new_id) {
       if (block.half[0][i] >= 0.0F && block.link[i] < 0) block.link[i] = ~new_id[~block.link[i]];
     }
   }
+}
+
+void Bvh::addPlates(const std::function<Corners(std::int32_t)>& corners) {
+  constexpr std::int32_t kMost = 4096;  // larger parts of a surface are rarely flat
+  std::vector<Corners> triangles;
+  triangles.reserve(order_.size());
+  for (std::int32_t node = 0; node < size(); ++node) {
+    if (exists(node) && (*this)[node].leaf()) order_[held_[node].begin] = (*this)[node].element();
+  }
+  for (const std::int32_t element : order_) triangles.push_back(corners(element));
+  for (std::int32_t node = 0; node < size(); ++node) {
+    const Held held = held_[node];
+    if (held.end == held.begin || held.end - held.begin > kMost) continue;
+    Vec3 normal = Vec3::Zero();
+    bool all = true;
+    for (std::int32_t i = held.begin; i < held.end && all; ++i) {
+      const Corners& t = triangles[i];
+      all = t[0] != nullptr;
+      if (all) normal += (*t[1] - *t[0]).cross(*t[2] - *t[0]);
+    }
+    const double length = normal.norm();
+    if (!all || !(length > 0.0)) continue;
+    // Any direction is sound; short ones keep |plate| below its limit.
+    const Vec3 axis = (normal * ((kPlateLength - 1.0) / length)).array().round();
+    double low = std::numeric_limits<double>::infinity(), high = -low, scale = 0.0;
+    for (std::int32_t i = held.begin; i < held.end; ++i) {
+      for (const Vec3* p : triangles[i]) {
+        const Vec3 x = *p - origin_;
+        const double along = axis.dot(x);
+        low = std::min(low, along);
+        high = std::max(high, along);
+        scale = std::max(scale, x.squaredNorm());
+      }
+    }
+    // Each `along` is a sum of three rounded products of rounded differences.
+    const double rounding = 16.0 * 1.2e-16 * kPlateLength * std::sqrt(scale);
+    BvhBlock& block = blocks_[node / BvhBlock::kWidth];
+    const int lane = node % BvhBlock::kWidth;
+    for (int k = 0; k < 3; ++k) block.plate[k][lane] = static_cast<std::int8_t>(axis[k]);
+    block.plate_middle[lane] = static_cast<float>(0.5 * (low + high));
+    const double middle = block.plate_middle[lane];
+    block.plate_half[lane] = roundedUp(std::max(high - middle, middle - low) + rounding);
+  }
+  order_ = {};
+  held_ = {};
 }
 
 bool Bvh::exists(std::int32_t node) const { return (*this)[node].half[0] >= 0.0F; }

@@ -6,7 +6,9 @@
 /// surface area heuristic.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "collision_node/geometry/types.h"
@@ -20,14 +22,18 @@ struct Bounds {
 
 /// One node, gathered from its block.
 struct BvhNode {
-  float centre[3];    ///< relative to Bvh::origin() [m]
-  float half[3];      ///< half extents [m]
-  float reach;        ///< >= distance of any point of the node from the *frame's* origin [m]
-  std::int32_t link;  ///< >= 0: the block of its children; < 0: a leaf of element ~link
+  float centre[3];                 ///< relative to Bvh::origin() [m]
+  float half[3];                   ///< half extents [m]
+  float reach;                     ///< >= distance of any point of the node from the *frame's* origin [m]
+  std::int32_t link;               ///< >= 0: the block of its children; < 0: a leaf of element ~link
+  float plate[3];                  ///< whole numbers, |plate| <= kPlateLength; zero where there is no plate
+  float plate_middle, plate_half;  ///< |plate . (p - origin) - middle| <= half for every point p of the node
 
   bool leaf() const { return link < 0; }
   std::int32_t element() const { return ~link; }
 };
+
+constexpr double kPlateLength = 127.0;
 
 /// Up to four nodes with the same parent, laid out so that one operation serves all of them.
 struct alignas(64) BvhBlock {
@@ -36,6 +42,9 @@ struct alignas(64) BvhBlock {
   float half[3][kWidth];  ///< far below zero where there is no node: such a box meets nothing
   float reach[kWidth];
   std::int32_t link[kWidth];
+  float plate_middle[kWidth];
+  float plate_half[kWidth];
+  std::int8_t plate[3][kWidth];
 };
 
 class Bvh {
@@ -54,13 +63,22 @@ class Bvh {
     if (link < 0) return;
     __builtin_prefetch(&blocks_[link]);
     __builtin_prefetch(reinterpret_cast<const char*>(&blocks_[link]) + 64);
+    __builtin_prefetch(reinterpret_cast<const char*>(&blocks_[link]) + 128);
   }
   /// Some numbers below are not nodes: exists() tells.
   std::int32_t size() const { return BvhBlock::kWidth * static_cast<std::int32_t>(blocks_.size()); }
+  std::size_t bytes() const { return blocks_.size() * sizeof(BvhBlock); }
   bool exists(std::int32_t node) const;
   const Vec3& origin() const { return origin_; }
+  /// The elements as a walk in depth first order meets them.
+  const std::vector<std::int32_t>& order() const { return order_; }
   /// Element i is called new_id[i] from now on.
   void renumber(const std::vector<std::int32_t>& new_id);
+  /// Gives a plate to every node that holds nothing but triangles, and not too many of them. `corners(i)` are
+  /// the three corners of element i, or null when it is no triangle. May be called once, after renumber();
+  /// ends order().
+  using Corners = std::array<const Vec3*, 3>;
+  void addPlates(const std::function<Corners(std::int32_t)>& corners);
 
   /// The node's box in the body's frame: exact sums of doubles need not be representable, hence for proofs
   /// the caller works relative to origin(), or budgets for the sum.
@@ -68,8 +86,14 @@ class Bvh {
   Vec3 half(std::int32_t node) const;
 
  private:
+  struct Held {  ///< the elements below a node: order_[begin, end)
+    std::int32_t begin = 0, end = 0;
+  };
+
   Vec3 origin_ = Vec3::Zero();
   std::vector<BvhBlock> blocks_;
+  std::vector<std::int32_t> order_;
+  std::vector<Held> held_;  ///< by node
 };
 
 inline BvhNode Bvh::operator[](std::int32_t node) const {
@@ -78,7 +102,11 @@ inline BvhNode Bvh::operator[](std::int32_t node) const {
   return {{b.centre[0][i], b.centre[1][i], b.centre[2][i]},
           {b.half[0][i], b.half[1][i], b.half[2][i]},
           b.reach[i],
-          b.link[i]};
+          b.link[i],
+          {static_cast<float>(b.plate[0][i]), static_cast<float>(b.plate[1][i]),
+           static_cast<float>(b.plate[2][i])},
+          b.plate_middle[i],
+          b.plate_half[i]};
 }
 
 }  // namespace collision_node::geometry

@@ -30,6 +30,16 @@ COLLISION_NODE_INLINE void load(const float from[kWidth], Lanes& to) {
   to = __builtin_convertvector(f, Lanes);
 }
 
+COLLISION_NODE_INLINE void load(const std::int8_t from[kWidth], Lanes& to) {
+  for (int i = 0; i < kWidth; ++i) to[i] = from[i];
+}
+
+/// sum += |x| scale
+template <typename Scale>
+COLLISION_NODE_INLINE void addMagnitude(const Lanes& x, const Scale& scale, Lanes& sum) {
+  sum += (x < 0.0 ? -x : x) * scale;
+}
+
 /// Narrows [low, high] to where |d + w s| <= e. Written so that NaN cuts nothing off, and that w = 0 gives
 /// quotients of infinite size: of different signs while |d| < e, else of one sign, which leaves nothing.
 COLLISION_NODE_INLINE void clipAxis(const Lanes& d, Lanes& w, const Lanes& e, double pad, Lanes& low,
@@ -45,6 +55,17 @@ COLLISION_NODE_INLINE void clipAxis(const Lanes& d, Lanes& w, const Lanes& e, do
 COLLISION_NODE_INLINE double times(const double row[3], const float c[3]) {
   return (row[0] * c[0] + row[1] * c[1]) + row[2] * c[2];
 }
+
+COLLISION_NODE_INLINE double times(const float n[3], const double x[3]) {
+  return (n[0] * x[0] + n[1] * x[1]) + n[2] * x[2];
+}
+
+/// Column k of n^T Q.
+COLLISION_NODE_INLINE double along(const float n[3], const double q[3][3], int k) {
+  return (n[0] * q[0][k] + n[1] * q[1][k]) + n[2] * q[2][k];
+}
+
+constexpr double kTiny = 1e-30;  ///< keeps the quotient of two zeros at zero
 
 /// The children are seen from the frame of `fixed` by `in_fixed`; `in_moving` is the other way round.
 COLLISION_NODE_ANY_WIDTH
@@ -74,6 +95,62 @@ void clipBlock(const Slab& slab, const SlabView& in_fixed, const SlabView& in_mo
     const Lanes e = (h[k] + times(in_moving.extent[k], fixed.half)) * kUp + back_extra;
     clipAxis(d, w, e, pad, low, high);
   }
+
+  // Across the plates. A zero plate has levels and extents of zero, and the allowance lets everything pass.
+  Lanes n[3], middle, thick;
+  for (int k = 0; k < 3; ++k) load(moving.plate[k], n[k]);
+  load(moving.plate_middle, middle);
+  load(moving.plate_half, thick);
+  {
+    const float* m = fixed.plate;
+    const double m2 = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
+    double v0[3], v1[3];
+    for (int k = 0; k < 3; ++k) {
+      v0[k] = along(m, in_fixed.q0, k);
+      v1[k] = along(m, in_fixed.q1, k);
+    }
+    const Lanes n2 = (n[0] * n[0] + n[1] * n[1]) + n[2] * n[2] + kTiny;
+    const Lanes share = ((v0[0] * n[0] + v0[1] * n[1]) + v0[2] * n[2]) / n2;
+    const Lanes offset = middle - ((n[0] * c[0] + n[1] * c[1]) + n[2] * c[2]);
+    Lanes e = fixed.plate_half - Lanes{};
+    addMagnitude(share, thick, e);
+    for (int k = 0; k < 3; ++k) {
+      addMagnitude(v0[k] - share * n[k], h[k], e);
+      e += (slab.half * std::abs(v1[k])) * h[k];
+    }
+    e = e * kUp + geometry::kPlateLength * extra;
+    const Lanes d = (times(m, in_fixed.p0) - fixed.plate_middle) +
+                    ((v0[0] * c[0] + v0[1] * c[1]) + v0[2] * c[2]) + share * offset;
+    Lanes w = times(m, in_fixed.p1) + ((v1[0] * c[0] + v1[1] * c[1]) + v1[2] * c[2]);
+    if (m2 > 0.0) clipAxis(d, w, e, pad, low, high);
+  }
+  {
+    const float* m = fixed.plate;
+    const double m2 = m[0] * m[0] + m[1] * m[1] + m[2] * m[2] + kTiny;
+    const double offset = fixed.plate_middle - (m[0] * static_cast<double>(fixed.centre[0]) +
+                                                m[1] * static_cast<double>(fixed.centre[1]) +
+                                                m[2] * static_cast<double>(fixed.centre[2]));
+    Lanes v0[3], v1[3], d = -middle, w = {}, share = {};
+    for (int k = 0; k < 3; ++k) {
+      v0[k] = (n[0] * in_moving.q0[0][k] + n[1] * in_moving.q0[1][k]) + n[2] * in_moving.q0[2][k];
+      v1[k] = (n[0] * in_moving.q1[0][k] + n[1] * in_moving.q1[1][k]) + n[2] * in_moving.q1[2][k];
+      d += n[k] * in_moving.p0[k] + v0[k] * static_cast<double>(fixed.centre[k]);
+      w += n[k] * in_moving.p1[k] + v1[k] * static_cast<double>(fixed.centre[k]);
+      share += v0[k] * static_cast<double>(m[k]);
+    }
+    share /= m2;
+    d += share * offset;
+    Lanes e = thick;
+    addMagnitude(share, static_cast<double>(fixed.plate_half), e);
+    for (int k = 0; k < 3; ++k) {
+      const double extent = fixed.half[k];
+      addMagnitude(v0[k] - share * static_cast<double>(m[k]), extent, e);
+      addMagnitude(v1[k], slab.half * extent, e);
+    }
+    // Where there is no plate, n is zero: d and w are, and so is all of e but the allowance.
+    e = e * kUp + geometry::kPlateLength * back_extra;
+    clipAxis(d, w, e, pad, low, high);
+  }
   std::memcpy(low_out, &low, sizeof low);
   std::memcpy(high_out, &high, sizeof high);
 }
@@ -92,7 +169,10 @@ Span NodeTest::clip(const Slab& slab, const geometry::BvhNode& a, const geometry
     for (int k = 0; k < 3; ++k) {
       block.centre[k][i] = b.centre[k];
       block.half[k][i] = b.half[k];
+      block.plate[k][i] = static_cast<std::int8_t>(b.plate[k]);
     }
+    block.plate_middle[i] = b.plate_middle;
+    block.plate_half[i] = b.plate_half;
     block.reach[i] = b.reach;
   }
   Span clipped[kWidth];

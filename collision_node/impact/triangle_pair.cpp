@@ -72,7 +72,8 @@ double TrianglePair::alongAxis(const Vec3& normal, const Vec3& normal_rate, doub
   const RelativeMotion& m = piece_.motion;
   const double length = n.norm() * kUp, rate_length = rate.norm() * kUp;
   const double pe = piece_.point_error + piece_.contact_distance, re = piece_.rate_error;
-  // f(s) = min over b (level + s slope) - max over a (the same) + start + s growth - s^2 bend: concave, below the gap.
+  // f(s) = min over b (level + s slope) - max over a (the same) + start + s growth - s^2 bend: concave, below
+  // the gap.
   const Vec3 turn_a = rate + n.cross(m.omegaA()), turn_b = rate + n.cross(m.omegaB());
   double level_a[3], slope_a[3], level_b[3], slope_b[3];
   for (int i = 0; i < 3; ++i) {
@@ -81,8 +82,7 @@ double TrianglePair::alongAxis(const Vec3& normal, const Vec3& normal_rate, doub
     level_b[i] = n.dot(b_[i]);
     slope_b[i] = turn_b.dot(b_[i]);
   }
-  const double turning =
-      rate.cross(m.omegaA()).norm() * reach_a_ + rate.cross(m.omegaB()).norm() * reach_b_;
+  const double turning = rate.cross(m.omegaA()).norm() * reach_a_ + rate.cross(m.omegaB()).norm() * reach_b_;
   const double square =
       std::max(0.0, turning - rate.dot(now_.d_rate)) * kUp + 8.0 * kUnit * rate_length * piece_.speed;
   const double bend = (square + curve_ * (length + span * rate_length) + rate_length * re) * kUp;

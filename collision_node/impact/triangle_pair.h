@@ -1,8 +1,8 @@
 /// Two triangles at an instant: how long do the normals of their faces and edges keep them apart?
 ///
-/// Guarantee: apartFor() returns s >= 0 such that the triangles are farther than the contact distance apart at every
-/// time in [t, t + s]; 0 proves nothing. The bound is that of gap_model.h for the axes of the separating axis theorem,
-/// with all six vertices posed once. Derivation: docs/solver.md, "The gap model".
+/// Guarantee: apartFor() returns s >= 0 such that the triangles are farther than the contact distance apart
+/// at every time in [t, t + s]; 0 proves nothing. The bound is that of gap_model.h for the axes of the
+/// separating axis theorem, with all six vertices posed once. Derivation: docs/solver.md, "The gap model".
 #pragma once
 
 #include "collision_node/impact/pair_piece.h"
