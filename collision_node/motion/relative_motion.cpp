@@ -14,9 +14,15 @@ constexpr double kUp = 1.0 + 64.0 * kUnit;        // makes a computed norm or su
 void RelativeMotion::Spin::set(const RigidMotion& m, double offset_s, double duration) {
   r0 = m.q0.normalized().toRotationMatrix();
   omega = m.omega;
-  spin = omega.norm();
-  if (spin > 0.0) axis = omega / spin;
-  spin *= kUp;
+  rate = omega.norm();
+  if (rate > 0.0) {
+    const Vec3 axis = omega / rate;
+    for (int i = 0; i < 3; ++i) {
+      across.col(i) = axis.cross(r0.col(i));
+      inward.col(i) = axis.cross(across.col(i));
+    }
+  }
+  spin = rate * kUp;
   offset = offset_s;
   // 64: quaternion to matrix, Rodrigues' entries, two products, the placing of geometry in the object's
   // frame, and the slerp's rotation vector (absolute part). 16 theta: the angle's relative error, both of
@@ -25,19 +31,11 @@ void RelativeMotion::Spin::set(const RigidMotion& m, double offset_s, double dur
 }
 
 Mat3 RelativeMotion::Spin::at(double t) const {
-  if (spin == 0.0) return r0;
-  const double angle = omega.norm() * (offset + t);
-  const double s = std::sin(angle);
-  const double half = std::sin(0.5 * angle);
-  const double one_minus_cos = 2.0 * half * half;
-  // Rodrigues on the columns: r + sin (k x r) + (1 - cos) k x (k x r)
-  Mat3 r;
-  for (int i = 0; i < 3; ++i) {
-    const Vec3 column = r0.col(i);
-    const Vec3 once = axis.cross(column);
-    r.col(i) = column + s * once + one_minus_cos * axis.cross(once);
-  }
-  return r;
+  if (rate == 0.0) return r0;
+  // Rodrigues: r + sin(x) (k x r) + (1 - cos(x)) k x (k x r), both factors from the half angle.
+  const double half = 0.5 * (rate * (offset + t));
+  const double sine = std::sin(half), cosine = std::cos(half);
+  return r0 + (2.0 * sine * cosine) * across + (2.0 * sine * sine) * inward;
 }
 
 RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns,

@@ -51,9 +51,10 @@ class RelativeMotion {
   struct Spin {
     Mat3 r0 = Mat3::Identity();
     Vec3 omega = Vec3::Zero();
-    Vec3 axis = Vec3::UnitZ();
-    double spin = 0.0;    ///< |omega|
-    double offset = 0.0;  ///< seconds from the segment's start to the piece's
+    Mat3 across = Mat3::Zero(), inward = Mat3::Zero();  ///< k x R0 and k x (k x R0), k the unit axis
+    double rate = 0.0;                                  ///< |omega|
+    double spin = 0.0;                                  ///< the same, rounded up
+    double offset = 0.0;                                ///< seconds from the segment's start to the piece's
     double error = 0.0;
 
     void set(const RigidMotion& m, double offset, double duration);

@@ -27,14 +27,14 @@ struct StampedPose {
   bool has_twist = false;       ///< the two below are meant
   Vec3 linear = Vec3::Zero();   ///< velocity of the object's origin, world axes [m/s]
   Vec3 angular = Vec3::Zero();  ///< rate, world axes [rad/s]
-  // How far the source's own path may be from the motion model on the segment that ends at this pose, when the source
-  // composed this pose from others. Infinite: nothing is known of the way here.
+  // How far the source's own path may be from the motion model on the segment that ends at this pose, when
+  // the source composed this pose from others. Infinite: nothing is known of the way here.
   double model_position = 0.0;  ///< at the object's origin [m]
   double model_angle = 0.0;     ///< [rad]
 };
 
-/// What a source's numbers are good for. Quaternions with | |q|^2 - 1 | >= 1e-2, NaN, Inf and components beyond 1e15
-/// (as good as infinite) are refused.
+/// What a source's numbers are good for. Quaternions with | |q|^2 - 1 | >= 1e-2, NaN, Inf and components
+/// beyond 1e15 (as good as infinite) are refused.
 enum class PoseFault { kNone, kNotFinite, kQuaternion };
 
 /// Checks `pose` and makes its quaternion unit.
