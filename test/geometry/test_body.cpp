@@ -154,7 +154,7 @@ TEST(Body, EveryElementLiesInEveryAncestorsBoxAndReach) {
   }
 }
 
-/// By how much a node's box is larger than its elements need, over the node's largest coordinate.
+/// By how much a node's box is larger than its elements need, over the body's size.
 Real looseness(const Body& body, std::int32_t node) {
   std::vector<std::int32_t> below;
   collect(body, node, below);
@@ -169,9 +169,9 @@ Real looseness(const Body& body, std::int32_t node) {
   }
   const BvhNode n = body.bvh()[node];
   const Vec3 origin = body.bvh().origin();
-  Real worst = 0, scale = 0;
+  Real worst = 0;
+  const Real scale = body.reach();  // boxes are floats relative to the whole body
   for (int k = 0; k < 3; ++k) {
-    scale = std::max({scale, std::abs(all.lower[k]), std::abs(all.upper[k])});
     worst = std::max({worst, all.lower[k] - (static_cast<Real>(origin[k]) + n.centre[k] - n.half[k]),
                       static_cast<Real>(origin[k]) + n.centre[k] + n.half[k] - all.upper[k]});
   }
@@ -188,6 +188,37 @@ TEST(Body, BoxesAreTight) {
     }
   }
   EXPECT_LT(static_cast<double>(worst), 4e-7) << "seed " << kSeed + 1;
+}
+
+TEST(Body, EveryTriangleLiesInEveryAncestorsPlate) {
+  // "|plate . (p - origin) - middle| <= half for every point p of the node", in exact arithmetic.
+  Random random(kSeed + 7);
+  int plates = 0;
+  for (int round = 0; round < 10; ++round) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed + 7) + " round " + std::to_string(round));
+    const Body body(everyShape(random, 1 + 20 * round));
+    const oracle::V3 origin = oracle::exact(body.bvh().origin());
+    for (std::int32_t node = 0; node < body.bvh().size(); ++node) {
+      if (!body.bvh().exists(node)) continue;
+      const BvhNode n = body.bvh()[node];
+      const Vec3 axis(n.plate[0], n.plate[1], n.plate[2]);
+      EXPECT_LE(axis.norm(), kPlateLength);
+      if (axis.isZero(0.0)) continue;
+      ++plates;
+      std::vector<std::int32_t> below;
+      collect(body, node, below);
+      for (const std::int32_t id : below) {
+        Vec3 buffer[3];
+        const Element e = body.element(id, buffer);
+        ASSERT_GE(e.triangle, 0) << "a plate around something that is no triangle";
+        for (int i = 0; i < 3; ++i) {
+          const Real along = oracle::dot(oracle::exact(axis), oracle::exact(e.vertices[i]) - origin);
+          EXPECT_LE(std::abs(along - static_cast<Real>(n.plate_middle)), static_cast<Real>(n.plate_half));
+        }
+      }
+    }
+  }
+  EXPECT_GT(plates, 100);
 }
 
 TEST(Body, BoxOfAnUprightCylinderIsTight) {
