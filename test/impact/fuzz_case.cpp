@@ -3,7 +3,8 @@
 #include <cstdio>
 #include <sstream>
 
-#include "test/impact/fuzz_shapes.h"
+#include "collision_node/impact/pair_piece.h"
+#include "test/impact/fuzz_object.h"
 
 namespace fuzz {
 
@@ -14,35 +15,6 @@ using g::Vec3;
 using impact::Nanoseconds;
 
 namespace {
-
-struct Object {
-  std::vector<g::PlacedShape> shapes;
-  std::string kind;
-  Vec3 aim = Vec3::Zero();  ///< a point of the body
-  double reach = 0;
-};
-
-Object makeObject(Random& random, ShapeKind kind, double scale) {
-  Object out;
-  out.kind = toString(kind);
-  const bool compound = random.chance(0.1) && kind != ShapeKind::kPoint;
-  // Snapped lengths and shifts make the placed vertices exact, so that both sides see the same geometry.
-  const double grid = compound ? std::ldexp(1.0, std::ilogb(scale) - 26) : 0.0;
-  out.shapes.push_back({makeShape(random, kind, scale, grid), {}, out.kind});
-  if (compound) {
-    constexpr ShapeKind kPrimitives[] = {ShapeKind::kSphere, ShapeKind::kBox, ShapeKind::kCylinder,
-                                         ShapeKind::kCapsule};
-    const ShapeKind second = kPrimitives[random.below(4)];
-    g::Pose origin;
-    origin.position = (scale * random.in(0.5, 3) * random.direction() / grid).array().round().matrix() * grid;
-    out.kind += std::string("+") + toString(second);
-    out.shapes.push_back({makeShape(random, second, scale, grid), origin, toString(second)});
-  }
-  const g::PlacedShape& target = out.shapes[random.below(static_cast<int>(out.shapes.size()))];
-  out.aim = target.origin * pointOf(random, target.shape);
-  out.reach = static_cast<double>(oracle::makeModel(out.shapes).reach);
-  return out;
-}
 
 /// Stamps, spin and curvature of one object; c[0] is set later.
 motion::RigidMotion makeMotion(Random& random, Nanoseconds start, Nanoseconds end, double speed) {
@@ -146,7 +118,12 @@ Case makeCase(std::uint64_t seed, int index) {
 }
 
 oracle::Pair Case::pair() const {
-  return oracle::makePair(a, b, piece.a, piece.b, piece.start_ns, piece.end_ns);
+  return oracle::makePair(a, b, piece.a, piece.b, piece.start_ns, piece.end_ns, options.contact_distance);
+}
+
+double Case::budget() const {
+  const g::Body body_a(a), body_b(b);
+  return impact::PairPiece(body_a, body_b, piece, options.contact_distance).point_error;
 }
 
 double Case::duration() const { return motion::secondsBetween(piece.start_ns, piece.end_ns); }
@@ -195,7 +172,8 @@ std::string Case::describe() const {
   std::ostringstream out;
   out << "seed " << seed << " index " << index << " (" << kind
       << "), replay with COLLISION_NODE_FUZZ_INDEX=" << index << "; piece of "
-      << piece.end_ns - piece.start_ns << " ns\n a:\n";
+      << piece.end_ns - piece.start_ns << " ns, contact_distance " << options.contact_distance
+      << " m, time_precision " << options.time_precision << " s\n a:\n";
   put(out, a), put(out, piece.a, piece.start_ns);
   out << " b:\n";
   put(out, b), put(out, piece.b, piece.start_ns);

@@ -22,11 +22,16 @@ struct Case {
 
   oracle::Pair pair() const;
   double duration() const;
+  double budget() const;  ///< the solver's stated rounding budget: PairPiece::point_error [m]
   /// Seed, index and every number needed to build the case by hand.
   std::string describe() const;
 };
 
-/// The same case for the same seed and index, on any machine with the same libm.
+/// Everyday sizes and speeds. The same case for the same seed and index, on any machine with the same libm.
 Case makeCase(std::uint64_t seed, int index);
+
+/// The full ranges: sizes of 1e-6 to 1e6 m, mixed; paths of 1e-9 to 3e4 m; up to 3333 rad; offsets of up to
+/// 1e8 m; contact distances; precisions down to rounding; aimed to within 1e-12 of touching.
+Case makeWideCase(std::uint64_t seed, int index);
 
 }  // namespace fuzz

@@ -12,18 +12,20 @@ namespace {
 
 void describeContact(const Pair& pair, Truth& truth) {
   const oracle::FirstTouch& touch = truth.first;
-  const auto near = pair.within(touch.lo, 1e-10L * pair.scale());
+  const Real smaller = pair.smaller();
+  const auto near = pair.within(touch.lo, std::max(1e-10L * smaller, 20 * pair.touchDistance()));
   if (near.empty()) return;
   truth.point = 0.5L * (near[0].gap.a + near[0].gap.b);
-  Real spread = 0;
   for (const auto& n : near) {
-    spread = std::max({spread, norm(n.gap.a - truth.point), norm(n.gap.b - truth.point)});
+    truth.point_spread =
+        std::max({truth.point_spread, norm(n.gap.a - truth.point), norm(n.gap.b - truth.point)});
   }
-  truth.point_known = spread <= 1e-9L * pair.scale();
+  truth.point_known = truth.point_spread <= 1e-6L * smaller;
 
   // The direction between the parts while they are still a hair apart, at several widths of that hair.
   const bool round = pair.hasTwoCylinders();
-  const Real before = (round ? 1e-5L : 1e-8L) * pair.scale() / std::max(pair.maxSpeed(), 1e-300L);
+  const Real hair = std::max((round ? 1e-5L : 1e-8L) * smaller, 1e6L * pair.touchDistance());
+  const Real before = hair / std::max(pair.maxSpeed(), 1e-300L);
   Real drift = 0;
   for (Real factor : {1.0L, 10.0L, 1e-3L}) {
     if (round && factor < 1) continue;  // their nearest points are too rough there
@@ -36,39 +38,66 @@ void describeContact(const Pair& pair, Truth& truth) {
     truth.normal_spread += 3 * angleBetween(truth.normal, normal);
   }
   truth.normal_known = truth.normal_spread < 1e-3L;
-  truth.point_sharp = truth.point_known && truth.normal_known && !round && drift < 1e-5L * pair.scale();
+  truth.point_sharp = truth.point_known && truth.normal_known && !round && drift < 1e-5L * smaller;
   const oracle::Frame fa = pair.pathA().at(touch.lo), fb = pair.pathB().at(touch.lo);
   truth.closing_speed = -dot(fb.velocityAt(truth.point) - fa.velocityAt(truth.point), truth.normal);
+}
+
+/// Whether the first contact outlives b's being held back by 1e3 budget; for a point through a surface, which
+/// touches for no time: being put aside by as much.
+bool getsDeep(const Pair& pair, const Truth& truth) {
+  const Real depth = 1e3L * truth.budget, moment = depth / truth.closing_speed;
+  if (pair.crossesInNoTime()) {
+    const V3 other = std::abs(truth.normal.x) < 0.6L ? V3{1, 0, 0} : V3{0, 1, 0};
+    const V3 u = cross(truth.normal, other), w = cross(truth.normal, u);
+    const Real from = std::max<Real>(0, truth.first.lo - 10 * moment);
+    const Real to = std::min(pair.duration(), truth.first.hi + 10 * moment);
+    for (const V3& side : {u, -u, w, -w}) {
+      const oracle::FirstTouch touch = pair.shifted(depth / norm(side) * side).firstTouch(from, to, 0, 20000);
+      if (!touch.found || !touch.verified) return false;
+    }
+    return true;
+  }
+  const Pair held_back = pair.shifted(depth * truth.normal);
+  for (Real wait = 1.5L; wait < 1e7L; wait *= 3) {
+    const Real t = truth.first.hi + wait * moment;
+    if (t <= pair.duration() && held_back.touching(t)) return true;
+  }
+  return false;
+}
+
+bool overlapsDeeply(const Pair& pair, Real depth) {
+  for (const V3& way : {V3{1, 0, 0}, V3{-1, 0, 0}, V3{0, 1, 0}, V3{0, -1, 0}, V3{0, 0, 1}, V3{0, 0, -1}}) {
+    if (!pair.shifted(depth * way).touching(0)) return false;
+  }
+  return true;
 }
 
 }  // namespace
 
 Truth truthOf(const Case& c, const Pair& pair) {
   Truth truth;
-  truth.budget = 1e-12L * pair.scale();
+  truth.budget = c.budget();
   const Real start = pair.distance(0);
   truth.overlaps_at_start = start == 0;
+  truth.overlaps_deeply = truth.overlaps_at_start && overlapsDeeply(pair, 1e3L * truth.budget);
   truth.apart_at_start = pair.provedDistance(0) > truth.budget;
   if (!truth.apart_at_start) return truth;
 
-  Real smaller = std::min(pair.a().reach, pair.b().reach);
-  if (smaller == 0) smaller = pair.size();
-  const Real margin = std::max(1e-6L * smaller, 1e3L * truth.budget);
-  const oracle::FirstTouch near = pair.firstTouch(0, pair.duration(), margin, kMarchSteps);
+  const oracle::FirstTouch near = pair.firstTouch(0, pair.duration(), 1e3L * truth.budget, kMarchSteps);
   truth.well_apart = !near.found && !near.gave_up;
   if (truth.well_apart) return truth;
-  truth.first = pair.firstTouch(near.lo, pair.duration(), 0, kMarchSteps);
+  truth.first = near.gave_up ? near : pair.firstTouch(near.lo, pair.duration(), 0, kMarchSteps);
   if (!truth.first.found || !truth.first.verified || truth.first.part_a < 0) return truth;
 
   describeContact(pair, truth);
   const Real v = truth.closing_speed;
   if (!truth.normal_known || !(v > 0)) return truth;
   truth.width = std::max<Real>(c.options.time_precision, 8 * truth.budget / v);
-  const bool steep = v * v >= 100 * pair.maxAcceleration() * truth.budget && v >= 1e-6L * pair.maxSpeed();
   const bool inner = truth.first.lo > truth.width && truth.first.hi + 2 * truth.width < pair.duration();
-  const bool lasts = pair.crossesInNoTime() || (inner && pair.touching(truth.first.hi + truth.width));
   const bool two_points = pair.a().only_points && pair.b().only_points;  // meet only by rounding
-  truth.transversal = steep && inner && lasts && !two_points;
+  truth.transversal =
+      v * pair.duration() >= 1e6L * truth.budget && inner && !two_points && getsDeep(pair, truth);
   return truth;
 }
 

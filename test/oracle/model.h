@@ -153,6 +153,15 @@ inline Model makeModel(const std::vector<collision_node::geometry::PlacedShape>&
   return model;
 }
 
+/// Every point becomes a ball of this radius [m].
+inline Model grown(Model model, Real by) {
+  if (!(by > 0)) return model;
+  for (Part& part : model.parts) part.radius += by, part.bound += by, part.reach += by;
+  model.reach += by;
+  model.only_points = false, model.has_volume = true;
+  return model;
+}
+
 /// Solid angle of a closed surface seen from p, over 4 pi: the winding number. p must not lie on the surface.
 inline bool insideOf(const std::vector<Triangle>& surface, const V3& p) {
   Real total = 0;

@@ -37,6 +37,14 @@ class Pair {
     const Real start_distance = norm(path_b_.at(0).position - path_a_.at(0).position);
     size_ = a_.reach + b_.reach;
     scale_ = size_ + start_distance + origin_speed_ * duration_;
+    turn_ = path_a_.turn(duration_) + path_b_.turn(duration_);
+  }
+
+  /// The same with b moved by `by` [m], world axes.
+  Pair shifted(const V3& by) const {
+    Pair other = *this;
+    other.path_b_.shift(by);
+    return other;
   }
 
   const Model& a() const { return a_; }
@@ -50,7 +58,10 @@ class Pair {
   const Path& pathA() const { return path_a_; }
   const Path& pathB() const { return path_b_; }
   Real duration() const { return duration_; }
-  Real size() const { return size_; }    ///< sum of both reaches [m]
+  Real size() const { return size_; }  ///< sum of both reaches [m]
+  Real smaller() const {               ///< the smaller reach that is not 0 [m]
+    return std::min(a_.reach > 0 ? a_.reach : b_.reach, b_.reach > 0 ? b_.reach : a_.reach);
+  }
   Real scale() const { return scale_; }  ///< bounds every relative coordinate on the piece [m]
   /// Two cylinders may meet: their static distance is only good to about 1e-12 of the size when they almost
   /// touch.
@@ -59,9 +70,10 @@ class Pair {
     return std::any_of(a_.parts.begin(), a_.parts.end(), round) &&
            std::any_of(b_.parts.begin(), b_.parts.end(), round);
   }
-  /// Below this two sets count as touching: a few hundred roundings of the largest coordinate. [m]
-  Real touchDistance() const { return 2e-17L * scale_; }
-  Real marchEnd() const { return 1e-16L * scale_; }  ///< the march stops at this distance [m]
+  /// Below this two sets count as touching: a few hundred roundings of the largest coordinate, and of the
+  /// largest angle. [m]
+  Real touchDistance() const { return (2e-17L + 1e-18L * turn_) * scale_; }
+  Real marchEnd() const { return 5 * touchDistance(); }  ///< the march stops at this distance [m]
 
   /// Bound of the speed at which two parts approach. [m/s]
   Real speed(const Part& a, const Part& b) const {
@@ -177,9 +189,13 @@ class Pair {
           return out;
         }
       }
+      // At its own speed; or, whatever the parts' turning does to them about their origins, at the origins'.
       const Real v = speed(a, b);
+      const Real clear = norm(fb.position - fa.position) - a.reach - b.reach - margin - 4e-18L * scale_;
+      const Real own = (free - 4e-18L * scale_) / v;
+      const Real origins = origin_speed_ > 0 ? clear / origin_speed_ : clear > 0 ? 2 * (to - from) : 0;
       if (!(v > 0)) continue;  // both rest: the distance is for ever
-      clock.t += (free - 4e-18L * scale_) / v;
+      clock.t += std::max(own, origins);
       if (clock.t <= to) queue.push(clock);
     }
     return out;
@@ -243,15 +259,18 @@ class Pair {
 
   Model a_, b_;
   Path path_a_, path_b_;
-  Real duration_, origin_speed_ = 0, size_ = 0, scale_ = 0;
+  Real duration_, origin_speed_ = 0, size_ = 0, scale_ = 0, turn_ = 0;
 };
 
 /// Both objects on one piece. A's first position is the common origin.
+/// Touching at a contact distance is touching of both grown by half of it.
 inline Pair makePair(const std::vector<collision_node::geometry::PlacedShape>& a,
                      const std::vector<collision_node::geometry::PlacedShape>& b, const RigidMotion& motion_a,
-                     const RigidMotion& motion_b, Nanoseconds start_ns, Nanoseconds end_ns) {
+                     const RigidMotion& motion_b, Nanoseconds start_ns, Nanoseconds end_ns,
+                     Real contact_distance = 0) {
   const V3 origin = exact(motion_a.c[0]);
-  return Pair(makeModel(a), makeModel(b), Path(motion_a, start_ns, origin), Path(motion_b, start_ns, origin),
+  return Pair(grown(makeModel(a), contact_distance / 2), grown(makeModel(b), contact_distance / 2),
+              Path(motion_a, start_ns, origin), Path(motion_b, start_ns, origin),
               static_cast<Real>(end_ns - start_ns) / 1e9L);
 }
 

@@ -53,6 +53,9 @@ class Path {
 
   const V3& coefficient(int k) const { return coefficient_[k]; }
   Real spin() const { return norm(omega_); }
+  /// The largest angle from the segment's first pose, until `duration` after the piece's start. [rad]
+  Real turn(Real duration) const { return norm(omega_) * (start_ + duration); }
+  void shift(const V3& by) { coefficient_[0] = coefficient_[0] + by; }
 
  private:
   M3 rotation0_;
