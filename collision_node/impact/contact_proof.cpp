@@ -30,6 +30,18 @@ double largestCross(const Vec3& u0, const Vec3& u1, const Vec3& v0, const Vec3& 
   return std::max({u0.cross(v0).norm(), 0.5 * (u0.cross(v1) + u1.cross(v0)).norm(), u1.cross(v1).norm()});
 }
 
+/// The same face, begun at the corner whose two edges have the smallest product: the determinant is the same
+/// from any corner, its rounding is not.
+std::array<int, 3> fromShortestEdges(const std::array<int, 3>& face, const std::vector<Vec3>& points) {
+  double length[3];
+  for (int k = 0; k < 3; ++k) length[k] = (points[face[(k + 1) % 3]] - points[face[k]]).squaredNorm();
+  int best = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (length[k] * length[(k + 2) % 3] < length[best] * length[(best + 2) % 3]) best = k;
+  }
+  return {face[best], face[(best + 1) % 3], face[(best + 2) % 3]};
+}
+
 /// Every face at a known side of the origin between the two instants: Bernstein coefficients of the
 /// determinant of three chords, minus what the true paths can differ from them.
 bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, const Wrap& wrap) {
@@ -39,7 +51,8 @@ bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, c
     p[i] = differenceAt(from, wrap.points[i]);
     q[i] = differenceAt(to, wrap.points[i]);
   }
-  for (const auto& f : wrap.faces) {
+  for (const auto& face : wrap.faces) {
+    const auto f = fromShortestEdges(face, p);
     const Vec3 &pi = p[f[0]], &pj = p[f[1]], &pk = p[f[2]], &qi = q[f[0]], &qj = q[f[1]], &qk = q[f[2]];
     const double size_i = std::max(pi.norm(), qi.norm()), size_j = std::max(pj.norm(), qj.norm()),
                  size_k = std::max(pk.norm(), qk.norm());
@@ -47,7 +60,7 @@ bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, c
     const double first =
         largestCross(pi, qi, pj, qj) + largestCross(pj, qj, pk, qk) + largestCross(pk, qk, pi, qi);
     const double sum = size_i + size_j + size_k;
-    // The determinant is taken along the face's edges, so that slivers keep their digits.
+    // The determinant is taken along the face's two shortest edges, so that slivers keep their digits.
     const Vec3 pu = pj - pi, pv = pk - pi, qu = qj - qi, qv = qk - qi;
     const double edges = std::max(pu.norm(), qu.norm()) * std::max(pv.norm(), qv.norm());
     const double slack = (e * (first + 32.0 * kUnit * sum * sum) + 2.0 * e * e * sum + e * e * e +
@@ -273,7 +286,7 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
   }
   if (a.count == 1 && b.count == 1) return false;  // two points: never provable
   if (!closest.overlap && closest.v.norm() > 16.0 * piece.point_error) return false;
-  for (double depth = 4.0 * piece.point_error; depth < 5e3 * piece.point_error; depth *= 8.0) {
+  for (double depth = 2.0 * piece.point_error; depth < 5e3 * piece.point_error; depth *= 8.0) {
     if (!buildWrap(cores, depth, witness.wrap)) return false;
     if (wrapHolds(piece, now, now, witness.wrap)) {
       witness.rounded = false;

@@ -173,7 +173,7 @@ std::string Case::describe() const {
   out << "seed " << seed << " index " << index << " (" << kind
       << "), replay with COLLISION_NODE_FUZZ_INDEX=" << index << "; piece of "
       << piece.end_ns - piece.start_ns << " ns, contact_distance " << options.contact_distance
-      << " m, time_precision " << options.time_precision << " s\n a:\n";
+      << " m, time_precision " << options.time_precision << " s, budget " << budget() << " m\n a:\n";
   put(out, a), put(out, piece.a, piece.start_ns);
   out << " b:\n";
   put(out, b), put(out, piece.b, piece.start_ns);

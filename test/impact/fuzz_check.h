@@ -15,12 +15,14 @@ struct Tally {
   int confirmed_first = 0, with_possible = 0, events = 0, gave_up = 0;
   int points_checked = 0, normals_checked = 0;
   int sharp = 0;  ///< hits so fast that the instant is owed to 1e-12 of the step
+  /// The first contact is neither proved nor excluded, or the budget was spent.
   struct Undecided {
     int index;
     std::string kind;
     bool budget_met;
   };
   std::vector<Undecided> undecided;
+  int two_points = 0;  ///< of them: two bare points, whose contact nothing can prove (docs/solver.md, limits)
   std::uint64_t most_node_tests = 0;
   double worst_sharp = 0;  ///< error of such an instant, in steps
   double worst_width = 0;  ///< of a transversal first impact, in W

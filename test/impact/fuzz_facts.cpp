@@ -43,10 +43,15 @@ class FactCheck {
       // The oracle's own point is as good as its bracket and the spread of its witnesses.
       const Real own = truth_.point_spread + 100 * pair_.touchDistance() +
                        (pair_.hasTwoCylinders() ? 1e-6L * pair_.size() : 1e-13L * pair_.smaller());
-      // While two round bodies overlap by speed times bracket, they do so over the square root of that.
-      const Real overlap = pair_.maxSpeed() * std::max(width, truth_.width);
+      // While two round bodies overlap by speed times bracket, they do so over the square root of that. The
+      // ball is in the world, where both move meanwhile. At a distance flat sides face each other almost as
+      // long as they are.
+      const Real open_for = std::max(width, truth_.width);
+      const Real overlap = pair_.maxSpeed() * open_for;
+      const Real carried = norm(pair_.pathA().at(e.toi_lower).velocity) * open_for;
       const Real largest = 1e-6L + 1e-4L * pair_.size() + 100 * overlap +
-                           3 * std::sqrt(pair_.size() * overlap) + 1e-14L * norm(origin);
+                           3 * std::sqrt(pair_.size() * overlap) + 10 * carried + 1e-14L * norm(origin) +
+                           (case_.options.contact_distance > 0 ? 0.05L * pair_.size() : 0);
       if (truth_.point_sharp && e.position_error > largest)
         complain("position_error %.6g m of a sharp contact, size %.6Lg m", e.position_error, pair_.size());
       if (off > e.position_error + own)
@@ -84,7 +89,8 @@ class FactCheck {
 
   void side(const char* name, const impact::Side& s, const oracle::Frame& frame, const motion::RigidMotion& m,
             const PairEvent& e, const V3& origin) {
-    const Real world = norm(origin) + pair_.scale();
+    const Real travel = norm(oracle::exact(m.c[1])) * motion::secondsBetween(m.start_ns, m.end_ns);
+    const Real world = norm(origin) + travel + pair_.scale();
     const V3 pose = oracle::exact(s.pose.position) - origin;
     if (!(norm(pose - frame.position) <= 1e-12L * pair_.scale() + 1e-15L * world)) {
       complain("side %s: pose off by %.6Lg m", name, norm(pose - frame.position));

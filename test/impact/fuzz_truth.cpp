@@ -13,6 +13,7 @@ namespace {
 void describeContact(const Pair& pair, Truth& truth) {
   const oracle::FirstTouch& touch = truth.first;
   const Real smaller = pair.smaller();
+  const oracle::Frame fa = pair.pathA().at(touch.lo), fb = pair.pathB().at(touch.lo);
   const auto near = pair.within(touch.lo, std::max(1e-10L * smaller, 20 * pair.touchDistance()));
   if (near.empty()) return;
   truth.point = 0.5L * (near[0].gap.a + near[0].gap.b);
@@ -20,6 +21,8 @@ void describeContact(const Pair& pair, Truth& truth) {
     truth.point_spread =
         std::max({truth.point_spread, norm(n.gap.a - truth.point), norm(n.gap.b - truth.point)});
   }
+  const V3 local = truth.point;
+  truth.point = local + fa.position;
   truth.point_known = truth.point_spread <= 1e-6L * smaller;
 
   // The direction between the parts while they are still a hair apart, at several widths of that hair.
@@ -34,12 +37,11 @@ void describeContact(const Pair& pair, Truth& truth) {
     const oracle::Gap gap = pair.partGapAt(touch.part_a, touch.part_b, t);
     if (!(gap.upper > 0)) return;
     const V3 normal = (1 / norm(gap.b - gap.a)) * (gap.b - gap.a);
-    if (factor == 1) truth.normal = normal, truth.normal_spread = 1e-9L, drift = norm(gap.a - truth.point);
+    if (factor == 1) truth.normal = normal, truth.normal_spread = 1e-9L, drift = norm(gap.a - local);
     truth.normal_spread += 3 * angleBetween(truth.normal, normal);
   }
   truth.normal_known = truth.normal_spread < 1e-3L;
   truth.point_sharp = truth.point_known && truth.normal_known && !round && drift < 1e-5L * smaller;
-  const oracle::Frame fa = pair.pathA().at(touch.lo), fb = pair.pathB().at(touch.lo);
   truth.closing_speed = -dot(fb.velocityAt(truth.point) - fa.velocityAt(truth.point), truth.normal);
 }
 

@@ -82,11 +82,11 @@ class Placer {
 
 Aim pickAim(Random& random) {
   const double pick = random.unit();
-  return pick < 0.25   ? Aim::kThrough
-         : pick < 0.45 ? Aim::kTouch
-         : pick < 0.72 ? Aim::kWide
-         : pick < 0.80 ? Aim::kGraze
-         : pick < 0.95 ? Aim::kLate
+  return pick < 0.13   ? Aim::kThrough
+         : pick < 0.30 ? Aim::kTouch
+         : pick < 0.58 ? Aim::kWide
+         : pick < 0.66 ? Aim::kGraze
+         : pick < 0.97 ? Aim::kLate
                        : Aim::kOverlap;
 }
 

@@ -130,8 +130,8 @@ class FromTheOracle : public Stub {
           vec({dot(f.rotation.column[0], r), dot(f.rotation.column[1], r), dot(f.rotation.column[2], r)});
       s.sample_before_ns = m.start_ns, s.sample_after_ns = m.end_ns;
     };
-    side(e.a, fa, case_.piece.a, nearest.a);
-    side(e.b, fb, case_.piece.b, nearest.b);
+    side(e.a, fa, case_.piece.a, nearest.a + fa.position);
+    side(e.b, fb, case_.piece.b, nearest.b + fa.position);
   }
 
   const Case& case_;

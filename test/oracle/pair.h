@@ -32,9 +32,15 @@ struct NearestParts {
 class Pair {
  public:
   Pair(Model a, Model b, Path path_a, Path path_b, Real duration)
-      : a_(std::move(a)), b_(std::move(b)), path_a_(path_a), path_b_(path_b), duration_(duration) {
+      : a_(std::move(a)),
+        b_(std::move(b)),
+        path_a_(path_a),
+        path_b_(path_b),
+        near_a_(path_a.relativeTo(path_a)),
+        near_b_(path_b.relativeTo(path_a)),
+        duration_(duration) {
     origin_speed_ = speedBound(path_a_, path_b_, duration_);
-    const Real start_distance = norm(path_b_.at(0).position - path_a_.at(0).position);
+    const Real start_distance = norm(near_b_.at(0).position);
     size_ = a_.reach + b_.reach;
     scale_ = size_ + start_distance + origin_speed_ * duration_;
     turn_ = path_a_.turn(duration_) + path_b_.turn(duration_);
@@ -44,6 +50,7 @@ class Pair {
   Pair shifted(const V3& by) const {
     Pair other = *this;
     other.path_b_.shift(by);
+    other.near_b_.shift(by);
     return other;
   }
 
@@ -86,14 +93,16 @@ class Pair {
            path_b_.spin() * path_b_.spin() * b_.reach;
   }
 
+  /// Witnesses here and below are world axes relative to a's origin at that instant: what both have in common
+  /// rounds nothing.
   Gap partGapAt(int i, int j, Real t) const {
-    return partGap(placed(a_.parts[i], path_a_.at(t)), placed(b_.parts[j], path_b_.at(t)));
+    return partGap(placed(a_.parts[i], near_a_.at(t)), placed(b_.parts[j], near_b_.at(t)));
   }
 
   /// Distance of all parts (0 when one lies inside the other), every pair looked at unless its spheres are
   /// farther.
   NearestParts nearest(Real t) const {
-    const Frame fa = path_a_.at(t), fb = path_b_.at(t);
+    const Frame fa = near_a_.at(t), fb = near_b_.at(t);
     std::vector<Part> pa, pb;
     for (const Part& p : a_.parts) pa.push_back(placed(p, fa));
     for (const Part& p : b_.parts) pb.push_back(placed(p, fb));
@@ -126,7 +135,7 @@ class Pair {
 
   /// The gaps of all pairs of parts that are at most `limit` apart at t.
   std::vector<NearestParts> within(Real t, Real limit) const {
-    const Frame fa = path_a_.at(t), fb = path_b_.at(t);
+    const Frame fa = near_a_.at(t), fb = near_b_.at(t);
     std::vector<NearestParts> out;
     for (std::size_t i = 0; i < a_.parts.size(); ++i) {
       const Part a = placed(a_.parts[i], fa);
@@ -177,7 +186,7 @@ class Pair {
         return out;
       }
       const Part &a = a_.parts[clock.i], &b = b_.parts[clock.j];
-      const Frame fa = path_a_.at(clock.t), fb = path_b_.at(clock.t);
+      const Frame fa = near_a_.at(clock.t), fb = near_b_.at(clock.t);
       const Real spheres = norm(fb.place(b.centre) - fa.place(a.centre)) - a.bound - b.bound;
       Real free = spheres - margin;
       if (free < 0.5L * (a.bound + b.bound) || free < 1e-3L * scale_) {
@@ -259,6 +268,7 @@ class Pair {
 
   Model a_, b_;
   Path path_a_, path_b_;
+  Path near_a_, near_b_;  ///< both without what a's origin does
   Real duration_, origin_speed_ = 0, size_ = 0, scale_ = 0, turn_ = 0;
 };
 

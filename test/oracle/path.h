@@ -23,23 +23,24 @@ struct Frame {
 
 /// One object's motion, its polynomial re-expanded about the piece's start. Positions leave out a common
 /// world point `origin` that is subtracted before anything else, so a world offset of 1e8 m costs no
-/// accuracy.
+/// accuracy. Coefficients are made in 113 bits, so that the difference of two paths keeps 64.
 class Path {
  public:
   Path(const RigidMotion& motion, Nanoseconds piece_start_ns, const V3& origin)
       : rotation0_(rotationOf(motion.q0)) {
-    const Real s = motion.fixed ? 0 : static_cast<Real>(piece_start_ns - motion.start_ns) / 1e9L;
-    const V3 c1 = exact(motion.c[1]), c2 = exact(motion.c[2]), c3 = exact(motion.c[3]);
-    start_ = s;
-    coefficient_[0] = (exact(motion.c[0]) - origin) + s * (c1 + s * (c2 + s * c3));
-    coefficient_[1] = c1 + s * (2 * c2 + 3 * s * c3);
-    coefficient_[2] = c2 + 3 * s * c3;
-    coefficient_[3] = c3;
-    omega_ = exact(motion.omega);
-    if (motion.fixed) {
-      coefficient_[0] = exact(motion.c[0]) - origin;
-      coefficient_[1] = coefficient_[2] = coefficient_[3] = omega_ = V3{};
+    const Wide s = motion.fixed ? 0 : static_cast<Wide>(piece_start_ns - motion.start_ns) / 1000000000;
+    const Real from[3] = {origin.x, origin.y, origin.z};
+    start_ = static_cast<Real>(s);
+    for (int i = 0; i < 3; ++i) {
+      Wide c[4];
+      for (int k = 0; k < 4; ++k) c[k] = motion.fixed && k > 0 ? 0.0 : motion.c[k][i];
+      wide_[0][i] = (c[0] - from[i]) + s * (c[1] + s * (c[2] + s * c[3]));
+      wide_[1][i] = c[1] + s * (2 * c[2] + 3 * s * c[3]);
+      wide_[2][i] = c[2] + 3 * s * c[3];
+      wide_[3][i] = c[3];
     }
+    if (!motion.fixed) omega_ = exact(motion.omega);
+    narrow();
   }
 
   Frame at(Real t) const {
@@ -51,14 +52,37 @@ class Path {
     return frame;
   }
 
+  /// Positions and velocities less those of the other object's origin; turning as before.
+  Path relativeTo(const Path& other) const {
+    Path path = *this;
+    for (int k = 0; k < 4; ++k)
+      for (int i = 0; i < 3; ++i) path.wide_[k][i] -= other.wide_[k][i];
+    path.narrow();
+    return path;
+  }
+
+  void shift(const V3& by) {
+    wide_[0][0] += by.x, wide_[0][1] += by.y, wide_[0][2] += by.z;
+    narrow();
+  }
+
   const V3& coefficient(int k) const { return coefficient_[k]; }
   Real spin() const { return norm(omega_); }
   /// The largest angle from the segment's first pose, until `duration` after the piece's start. [rad]
   Real turn(Real duration) const { return norm(omega_) * (start_ + duration); }
-  void shift(const V3& by) { coefficient_[0] = coefficient_[0] + by; }
 
  private:
+  using Wide = __float128;
+
+  void narrow() {
+    for (int k = 0; k < 4; ++k) {
+      coefficient_[k] = {static_cast<Real>(wide_[k][0]), static_cast<Real>(wide_[k][1]),
+                         static_cast<Real>(wide_[k][2])};
+    }
+  }
+
   M3 rotation0_;
+  Wide wide_[4][3];
   V3 coefficient_[4];
   V3 omega_;
   Real start_ = 0;
