@@ -274,8 +274,7 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
                const Closest& closest, ContactWitness& witness) {
   const Cores cores(now, a, b);
   const double radius = a.radius + b.radius + piece.contact_distance;
-  if (radius > 0.0) {
-    if (!closeThrough(now, now, closest, closest, radius - 2.0 * piece.point_error)) return false;
+  if (radius > 0.0 && closeThrough(now, now, closest, closest, radius - 2.0 * piece.point_error)) {
     witness.rounded = true;
     witness.closest = closest;
     Vec3 pa = Vec3::Zero();
@@ -284,6 +283,7 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
     witness.point = pa + share * closest.v;
     return true;
   }
+  // Cores that meet touch at any distance: all that is left where the radius is within the rounding.
   if (a.count == 1 && b.count == 1) return false;  // two points: never provable
   if (!closest.overlap && closest.v.norm() > 16.0 * piece.point_error) return false;
   for (double depth = 2.0 * piece.point_error; depth < 5e3 * piece.point_error; depth *= 8.0) {

@@ -208,6 +208,9 @@ Closest closestPoints(const Cores& cores, const Vec3& guess) {
     simplex[c.count] = next;
     const Reduced r = reduce(simplex, c.count + 1);
     if (!r.inside && !(r.v.squaredNorm() < length2)) return c;  // no more progress in doubles
+    // Nothing lies beyond `next` along -v: with the origin beyond it, only a flat tetrahedron's rounding
+    // holds it.
+    if (r.inside && c.v.dot(next.w) > 0.0) return c;
     c.count = r.count;
     for (int i = 0; i < r.count; ++i) {
       c.point[i] = simplex[r.index[i]];

@@ -260,10 +260,11 @@ class Examination {
   /// Undecided is for what is hard to decide.
   void possible(const PairEvent& e) {
     const Real width = e.toi_upper - e.toi_lower;
-    if (e.reason == impact::Reason::kBudget || !(width > 4 * case_.options.time_precision)) return;
-    for (int i = 1; i < 8; ++i) {
+    if (e.reason == impact::Reason::kBudget) return;
+    for (int i = 0; i <= 8; ++i) {
       const Real t = e.toi_lower + width * i / 8, d = pair_.provedDistance(t);
-      if (d > 1e-3L * pair_.size() + 1e3L * truth_.budget) {
+      const Real moved = pair_.maxSpeed() * width;
+      if (d > 1e-3L * pair_.size() + 1e3L * truth_.budget + (i == 0 || i == 8 ? moved : 0)) {
         complain("%s POSSIBLE on [%.17g, %.17g] s, reason %s, but %.3Lg m apart at %.17Lg s",
                  toString(e.kind), e.toi_lower, e.toi_upper, toString(e.reason), d, t);
         return;
