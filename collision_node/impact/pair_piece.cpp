@@ -5,10 +5,10 @@
 namespace collision_node::impact {
 
 PairPiece::PairPiece(const Body& body_a, const Body& body_b, const Piece& piece, double distance)
-    : a(body_a),
-      b(body_b),
-      motion(piece.a, piece.b, piece.start_ns, piece.end_ns),
-      contact_distance(distance) {
+    : PairPiece(body_a, body_b, RelativeMotion(piece.a, piece.b, piece.start_ns, piece.end_ns), distance) {}
+
+PairPiece::PairPiece(const Body& body_a, const Body& body_b, const RelativeMotion& relative, double distance)
+    : a(body_a), b(body_b), motion(relative), contact_distance(distance) {
   const double reach = a.reach() + b.reach();
   const double size = motion.maxDistance() + reach + contact_distance;
   speed = motion.maxSpeed() + motion.spinA() * a.reach() + motion.spinB() * b.reach();

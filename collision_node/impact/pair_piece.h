@@ -28,6 +28,7 @@ struct Instant {
 /// With a tube (Piece::tube) "exact" is the true motion, and the tube is part of point_error.
 struct PairPiece {
   PairPiece(const Body& a, const Body& b, const Piece& piece, double contact_distance);
+  PairPiece(const Body& a, const Body& b, const RelativeMotion& motion, double contact_distance);
 
   Instant at(double t) const;
 

@@ -51,6 +51,7 @@ Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& wor
     : piece_(piece),
       test_(piece),
       budget_(node_budget),
+      shells_(ShellPair::of(piece)),
       slabs_(piece, workspace.buffers().slabs),
       stack_(workspace.buffers().stack),
       near_(workspace.buffers().near) {}
@@ -181,9 +182,10 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
   };
   First first;
   near_.clear();
-  walk(from, to, Leaf{*this, stop, window, first});
-  near_from_ = exhausted() ? kInfinity : from;
-  near_to_ = first.found ? first.time + window : to;
+  const double asked_from = from, asked_to = to;
+  if (!shells_ || shells_->clear(from, to, stop, node_tests_)) walk(from, to, Leaf{*this, stop, window, first});
+  near_from_ = exhausted() ? kInfinity : asked_from;
+  near_to_ = first.found ? std::min(first.time + window, asked_to) : asked_to;
   near_.erase(std::remove_if(near_.begin(), near_.end(), [&](const Near& n) { return n.time > near_to_; }),
               near_.end());
   return first;

@@ -11,6 +11,7 @@
 #include "collision_node/impact/contact_proof.h"
 #include "collision_node/impact/gap_model.h"
 #include "collision_node/impact/node_test.h"
+#include "collision_node/impact/revolution_shell.h"
 #include "collision_node/impact/workspace.h"
 
 namespace collision_node::impact {
@@ -81,6 +82,7 @@ class Search {
   const PairPiece& piece_;
   const NodeTest test_;
   std::uint64_t budget_, node_tests_ = 0;
+  std::unique_ptr<ShellPair> shells_;  ///< null when nothing turns far
   TimeSlabs slabs_;
   std::vector<Item>& stack_;
   /// Every pair of elements that is not proved apart throughout [near_from_, near_to_] is among these.

@@ -38,6 +38,23 @@ Mat3 RelativeMotion::Spin::at(double t) const {
   return r0 + (2.0 * sine * cosine) * across + (2.0 * sine * sine) * inward;
 }
 
+void RelativeMotion::Spin::still() {
+  const Vec3 axis = omega / rate;
+  r0.col(2) = axis;
+  r0.col(0) = axis.unitOrthogonal();
+  r0.col(1) = axis.cross(r0.col(0));
+  omega.setZero();
+  rate = spin = 0.0;
+  error = 64.0 * kUnit;
+}
+
+RelativeMotion RelativeMotion::stilled(bool a, bool b) const {
+  RelativeMotion still = *this;
+  if (a) still.a_.still();
+  if (b) still.b_.still();
+  return still;
+}
+
 RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns,
                                Nanoseconds end_ns)
     : motion_a_(a), motion_b_(b), duration_(secondsBetween(start_ns, end_ns)) {

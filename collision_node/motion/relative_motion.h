@@ -17,6 +17,10 @@ class RelativeMotion {
  public:
   RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns, Nanoseconds end_ns);
 
+  /// The same paths of the origins; a body marked so does not turn, and its frame's z axis lies along its
+  /// spin.
+  RelativeMotion stilled(bool a, bool b) const;
+
   double duration() const { return duration_; }
   Vec3 displacement(double t) const { return d_[0] + t * (d_[1] + t * (d_[2] + t * d_[3])); }
   Vec3 velocity(double t) const { return d_[1] + t * (2.0 * d_[2] + 3.0 * t * d_[3]); }
@@ -58,6 +62,7 @@ class RelativeMotion {
     double error = 0.0;
 
     void set(const RigidMotion& m, double offset, double duration);
+    void still();
     Mat3 at(double t) const;
   };
 
