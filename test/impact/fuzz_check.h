@@ -22,7 +22,8 @@ struct Tally {
     bool budget_met;
   };
   std::vector<Undecided> undecided;
-  int two_points = 0;  ///< of them: two bare points, whose contact nothing can prove (docs/solver.md, limits)
+  int unprovable =
+      0;  ///< of them: two bare points, or within 1e3 budget of touching at the start and never far from it
   std::uint64_t most_node_tests = 0;
   double worst_sharp = 0;  ///< error of such an instant, in steps
   double worst_width = 0;  ///< of a transversal first impact, in W

@@ -82,11 +82,11 @@ class Placer {
 
 Aim pickAim(Random& random) {
   const double pick = random.unit();
-  return pick < 0.13   ? Aim::kThrough
-         : pick < 0.30 ? Aim::kTouch
-         : pick < 0.58 ? Aim::kWide
-         : pick < 0.66 ? Aim::kGraze
-         : pick < 0.97 ? Aim::kLate
+  return pick < 0.09   ? Aim::kThrough
+         : pick < 0.23 ? Aim::kTouch
+         : pick < 0.56 ? Aim::kWide
+         : pick < 0.61 ? Aim::kGraze
+         : pick < 0.98 ? Aim::kLate
                        : Aim::kOverlap;
 }
 
@@ -139,7 +139,7 @@ Case makeWideCase(std::uint64_t seed, int index) {
   const auto staticBoundary = [&](double at, const V3& way, int halvings) {
     return placer.boundary(at, way, far, halvings, [&] { return out.pair().touching(at); });
   };
-  const double at = duration * (aim == Aim::kLate ? random.in(1.3, 2.5) : random.in(0.05, 0.95));
+  const double at = duration * (aim == Aim::kLate ? random.in(1.3, 4) : random.in(0.05, 0.95));
   const V3 back = oracle::exact(Vec3(-along)), side = oracle::exact(across);
   switch (aim) {
     case Aim::kThrough:
