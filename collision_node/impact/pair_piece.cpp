@@ -5,10 +5,12 @@
 namespace collision_node::impact {
 
 PairPiece::PairPiece(const Body& body_a, const Body& body_b, const Piece& piece, double distance)
-    : PairPiece(body_a, body_b, RelativeMotion(piece.a, piece.b, piece.start_ns, piece.end_ns), distance) {}
+    : PairPiece(body_a, body_b, RelativeMotion(piece.a, piece.b, piece.start_ns, piece.end_ns), distance,
+                piece.tube) {}
 
-PairPiece::PairPiece(const Body& body_a, const Body& body_b, const RelativeMotion& relative, double distance)
-    : a(body_a), b(body_b), motion(relative), contact_distance(distance) {
+PairPiece::PairPiece(const Body& body_a, const Body& body_b, const RelativeMotion& relative, double distance,
+                     double true_within)
+    : a(body_a), b(body_b), motion(relative), contact_distance(distance), tube(true_within) {
   const double reach = a.reach() + b.reach();
   const double size = motion.maxDistance() + reach + contact_distance;
   speed = motion.maxSpeed() + motion.spinA() * a.reach() + motion.spinB() * b.reach();
@@ -17,7 +19,7 @@ PairPiece::PairPiece(const Body& body_a, const Body& body_b, const RelativeMotio
   const double pose_error = motion.translationError() + motion.rotationErrorA() * a.reach() +
                             motion.rotationErrorB() * b.reach() + a.placingError() + b.placingError();
   point_error = 2.0 * pose_error + 64.0 * kUnit * (size + speed * motion.duration());
-  point_error += piece.tube * (1.0 + 4.0 * kUnit);  // a true point counts like a badly computed one
+  point_error += tube * (1.0 + 4.0 * kUnit);  // a true point counts like a badly computed one
   // Seen from a frame that is off by an angle, everything at a distance is off by angle times distance, the
   // rate too.
   const double turned = (motion.rotationErrorA() + motion.rotationErrorB()) * size;

@@ -28,7 +28,7 @@ struct Instant {
 /// With a tube (Piece::tube) "exact" is the true motion, and the tube is part of point_error.
 struct PairPiece {
   PairPiece(const Body& a, const Body& b, const Piece& piece, double contact_distance);
-  PairPiece(const Body& a, const Body& b, const RelativeMotion& motion, double contact_distance);
+  PairPiece(const Body& a, const Body& b, const RelativeMotion& motion, double contact_distance, double tube);
 
   Instant at(double t) const;
 
@@ -36,6 +36,7 @@ struct PairPiece {
   const Body& b;
   RelativeMotion motion;
   double contact_distance;
+  double tube;         ///< [m] Piece::tube
   double point_error;  ///< [m]
   double rate_error;   ///< [m/s]
   double frame_error;  ///< [m] the same for points seen in a rotating body's frame, however far away they are

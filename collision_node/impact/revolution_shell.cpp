@@ -87,7 +87,8 @@ ShellPair::ShellPair(std::unique_ptr<Body> a, std::unique_ptr<Body> b, const Pai
     : shell_a_(std::move(a)),
       shell_b_(std::move(b)),
       still_(shell_a_ ? *shell_a_ : piece.a, shell_b_ ? *shell_b_ : piece.b,
-             piece.motion.stilled(shell_a_ != nullptr, shell_b_ != nullptr), piece.contact_distance) {}
+             piece.motion.stilled(shell_a_ != nullptr, shell_b_ != nullptr), piece.contact_distance,
+             piece.tube) {}
 
 std::unique_ptr<ShellPair> ShellPair::of(const PairPiece& piece) {
   const RelativeMotion& m = piece.motion;
