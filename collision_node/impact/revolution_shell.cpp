@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kUp = 1.0 + 64.0 * kUnit;
 constexpr double kTurn = 3.0;            ///< [rad] from here on the shell stands for the body
-constexpr std::size_t kMostNodes = 512;  ///< looked at for one body's extents
+constexpr std::size_t kMostNodes = 1024;  ///< looked at for one body's extents
 constexpr std::uint64_t kBudget =
     20000;  ///< node tests of one look at the shells; what they leave open is searched anyway
 constexpr int kHalvings = 10;  ///< of the time after the last possible contact
@@ -37,11 +37,11 @@ void add(Revolution& r, const Vec3& axis, const Element& e) {
   }
 }
 
-void add(Revolution& r, const Vec3& axis, const geometry::BvhNode& box) {
+void add(Revolution& r, const Vec3& axis, const Vec3& centre, const Vec3& half) {
   for (int i = 0; i < 8; ++i) {
-    const Vec3 corner(i & 1 ? box.half.x() : -box.half.x(), i & 2 ? box.half.y() : -box.half.y(),
-                      i & 4 ? box.half.z() : -box.half.z());
-    add(r, axis, box.centre + corner, 0.0, 0.0);
+    const Vec3 corner(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(),
+                      i & 4 ? half.z() : -half.z());
+    add(r, axis, centre + corner, 0.0, 0.0);
   }
 }
 
@@ -61,20 +61,23 @@ Revolution revolve(const Body& body, const Vec3& axis) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Revolution r{0.0, kInfinity, -kInfinity};
   // Breadth first: the boxes of the last level reached stand for everything below them.
-  std::vector<std::int32_t> level = {0};
+  constexpr std::int32_t kWidth = geometry::BvhBlock::kWidth;
+  const geometry::Bvh& bvh = body.bvh();
+  std::vector<std::int32_t> level = {geometry::Bvh::kRoot};
   Vec3 buffer[3];
   while (!level.empty()) {
-    const bool deeper = 2 * level.size() <= kMostNodes;
+    const bool deeper = kWidth * level.size() <= kMostNodes;
     std::vector<std::int32_t> next;
     for (const std::int32_t id : level) {
-      const geometry::BvhNode& node = body.nodes()[id];
-      if (node.left < 0) {
-        add(r, axis, body.element(node.element, buffer));
+      const geometry::BvhNode node = bvh[id];
+      if (node.leaf()) {
+        add(r, axis, body.element(node.element(), buffer));
       } else if (deeper) {
-        next.push_back(node.left);
-        next.push_back(node.left + 1);
+        for (std::int32_t i = 0; i < kWidth; ++i) {
+          if (bvh.exists(kWidth * node.link + i)) next.push_back(kWidth * node.link + i);
+        }
       } else {
-        add(r, axis, node);
+        add(r, axis, bvh.centre(id), bvh.half(id));
       }
     }
     level.swap(next);
@@ -110,8 +113,9 @@ std::unique_ptr<ShellPair> ShellPair::of(const PairPiece& piece) {
 }
 
 bool ShellPair::clear(double& from, double& to, double stop, std::uint64_t& node_tests) const {
+  Workspace workspace;
   const auto first = [&](double low, double high) {
-    Search search(still_, kBudget);
+    Search search(still_, kBudget, workspace);
     const Search::First found = search.firstPossible(low, high, stop);
     node_tests += search.nodeTests();
     return found;
