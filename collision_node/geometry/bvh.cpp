@@ -109,7 +109,8 @@ class Builder {
       }
       if (largest < 0) break;
       Box halves[2];
-      const std::size_t middle = halve(ranges[largest].begin, ranges[largest].end, halves);
+      const std::size_t middle =
+          halve(ranges[largest].begin, ranges[largest].end, ranges[largest].box, halves);
       ranges[count++] = {middle, ranges[largest].end, halves[1]};
       ranges[largest] = {ranges[largest].begin, middle, halves[0]};
     }
@@ -119,22 +120,14 @@ class Builder {
   }
 
   /// Puts the entries of the first child before those of the second; fills their boxes.
-  std::size_t halve(std::size_t begin, std::size_t end, Box halves[2]) {
-    float low[3] = {kInfinity, kInfinity, kInfinity}, high[3] = {-kInfinity, -kInfinity, -kInfinity};
-    for (std::size_t i = begin; i < end; ++i) {
-      for (int k = 0; k < 3; ++k) {
-        const float c = entries_[i].twiceCentre(k);
-        low[k] = std::min(low[k], c);
-        high[k] = std::max(high[k], c);
-      }
-    }
+  std::size_t halve(std::size_t begin, std::size_t end, const Box& box, Box halves[2]) {
     int axis = 0;
     for (int k = 1; k < 3; ++k) {
-      if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
+      if (box.upper[k] - box.lower[k] > box.upper[axis] - box.lower[axis]) axis = k;
     }
-    const float extent = high[axis] - low[axis];
+    const float low = 2.0F * box.lower[axis], extent = 2.0F * (box.upper[axis] - box.lower[axis]);
     std::size_t middle = begin;
-    if (end - begin > 4 && extent > 0.0F) middle = splitByArea(begin, end, axis, low[axis], extent, halves);
+    if (end - begin > 4 && extent > 0.0F) middle = splitByArea(begin, end, axis, low, extent, halves);
     if (middle == begin || middle == end) middle = splitByCount(begin, end, axis, halves);
     return middle;
   }
@@ -158,7 +151,7 @@ class Builder {
     int counts[kBins] = {};
     const float scale = static_cast<float>(bins) / extent;
     const auto binOf = [&](const Entry& e) {
-      return std::min(static_cast<int>((e.twiceCentre(axis) - low) * scale), bins - 1);
+      return std::clamp(static_cast<int>((e.twiceCentre(axis) - low) * scale), 0, bins - 1);
     };
     for (std::size_t i = begin; i < end; ++i) {
       const int bin = binOf(entries_[i]);
@@ -243,25 +236,32 @@ void Bvh::renumber(const std::vector<std::int32_t>& new_id) {
 }
 
 void Bvh::addPlates(const std::function<Corners(std::int32_t)>& corners) {
-  constexpr std::int32_t kMost = 4096;  // larger parts of a surface are rarely flat
+  constexpr std::int32_t kMost = 1024;  // larger parts of a surface are rarely flat
   std::vector<Corners> triangles;
   triangles.reserve(order_.size());
   for (std::int32_t node = 0; node < size(); ++node) {
     if (exists(node) && (*this)[node].leaf()) order_[held_[node].begin] = (*this)[node].element();
   }
-  for (const std::int32_t element : order_) triangles.push_back(corners(element));
+  // Sums of normals up to each triangle: those of a node are a difference of two. Rounding only tilts the
+  // plate.
+  std::vector<Vec3> normals = {Vec3::Zero()};
+  std::vector<std::int32_t> others = {0};
+  normals.reserve(order_.size() + 1);
+  others.reserve(order_.size() + 1);
+  for (const std::int32_t element : order_) {
+    const Corners t = corners(element);
+    triangles.push_back(t);
+    const bool triangle = t[0] != nullptr;
+    others.push_back(others.back() + (triangle ? 0 : 1));
+    normals.push_back(triangle ? Vec3(normals.back() + (*t[1] - *t[0]).cross(*t[2] - *t[0]))
+                               : normals.back());
+  }
   for (std::int32_t node = 0; node < size(); ++node) {
     const Held held = held_[node];
     if (held.end == held.begin || held.end - held.begin > kMost) continue;
-    Vec3 normal = Vec3::Zero();
-    bool all = true;
-    for (std::int32_t i = held.begin; i < held.end && all; ++i) {
-      const Corners& t = triangles[i];
-      all = t[0] != nullptr;
-      if (all) normal += (*t[1] - *t[0]).cross(*t[2] - *t[0]);
-    }
+    const Vec3 normal = normals[held.end] - normals[held.begin];
     const double length = normal.norm();
-    if (!all || !(length > 0.0)) continue;
+    if (others[held.end] != others[held.begin] || !(length > 0.0)) continue;
     // Any direction is sound; short ones keep |plate| below its limit.
     const Vec3 axis = (normal * ((kPlateLength - 1.0) / length)).array().round();
     double low = std::numeric_limits<double>::infinity(), high = -low, scale = 0.0;
