@@ -11,10 +11,10 @@ namespace collision_node::impact {
 namespace {
 
 constexpr double kUp = 1.0 + 64.0 * kUnit;
-constexpr double kTurn = 3.0;            ///< [rad] from here on the shell stands for the body
+constexpr double kTurn = 7.0;             ///< [rad] from here on the shell stands for the body
 constexpr std::size_t kMostNodes = 1024;  ///< looked at for one body's extents
-constexpr std::uint64_t kBudget =
-    20000;  ///< node tests of one look at the shells; what they leave open is searched anyway
+constexpr double kTestsPerRadian =
+    16.0;                      ///< spent on the shells at most: in proportion to what they may save
 constexpr int kHalvings = 10;  ///< of the time after the last possible contact
 
 void add(Revolution& r, const Vec3& axis, const Vec3& centre, double along, double across) {
@@ -91,7 +91,9 @@ ShellPair::ShellPair(std::unique_ptr<Body> a, std::unique_ptr<Body> b, const Pai
       shell_b_(std::move(b)),
       still_(shell_a_ ? *shell_a_ : piece.a, shell_b_ ? *shell_b_ : piece.b,
              piece.motion.stilled(shell_a_ != nullptr, shell_b_ != nullptr), piece.contact_distance,
-             piece.tube) {}
+             piece.tube),
+      budget_(static_cast<std::uint64_t>(std::min(
+          1e9, kTestsPerRadian * piece.motion.duration() * (piece.motion.spinA() + piece.motion.spinB())))) {}
 
 std::unique_ptr<ShellPair> ShellPair::of(const PairPiece& piece) {
   const RelativeMotion& m = piece.motion;
@@ -114,17 +116,19 @@ std::unique_ptr<ShellPair> ShellPair::of(const PairPiece& piece) {
 
 bool ShellPair::clear(double& from, double& to, double stop, std::uint64_t& node_tests) const {
   Workspace workspace;
+  std::uint64_t left = budget_;
   const auto first = [&](double low, double high) {
-    Search search(still_, kBudget, workspace);
+    Search search(still_, left, workspace);
     const Search::First found = search.firstPossible(low, high, stop);
     node_tests += search.nodeTests();
+    left -= std::min(left, search.nodeTests());
     return found;
   };
   const Search::First start = first(from, to);
   if (!start.found) return false;
   from = std::max(from, start.time);
   double open = from;
-  for (int i = 0; i < kHalvings && open < to; ++i) {
+  for (int i = 0; i < kHalvings && open < to && left > 0; ++i) {
     const double middle = 0.5 * (open + to);
     if (first(middle, to).found) {
       open = middle;

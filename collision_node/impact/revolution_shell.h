@@ -35,6 +35,7 @@ class ShellPair {
 
   std::unique_ptr<Body> shell_a_, shell_b_;  ///< null: the body itself
   PairPiece still_;
+  std::uint64_t budget_;  ///< node tests; what they leave open is searched anyway
 };
 
 }  // namespace collision_node::impact

@@ -180,7 +180,8 @@ TEST(Search, WorkStaysBoundedForANearMiss) {
 
 TEST(Search, ASpentBudgetIsReported) {
   const moving::Pair pair = pastTorus(1.0, Vec3(0, 0, 3));
-  Search plenty(pair.solver, kPlenty);
+  Workspace other;
+  Search plenty(pair.solver, kPlenty, other);
   const Search::First truth = plenty.firstPossible(0.0, pair.solver.motion.duration(), 1e-12);
   ASSERT_TRUE(truth.found);
   for (const std::uint64_t budget : {0u, 1u, 3u, 10u, 30u}) {
