@@ -219,7 +219,17 @@ def main():
         live.process = children.start(node, env=environment)
         live.listen()
         live.take('a node born again', messages, expected)
+
+        # The end of a node is the end of its data: what has come is decided and told.
+        before = live.count()
+        del live.heard[:]
+        live.publish(messages)
+        wait(children, 'the last poses', lambda: live.count() >= before + len(messages))
         children.stop(live.process)
+        wait(children, 'the last events', lambda: len(live.heard) >= len(expected))
+        if [told(impact) for impact in live.heard] != expected:
+            sys.exit('what the node said at its end differs from replay')
+        print('the end of a node: %d events' % len(expected))
     return 0
 
 
