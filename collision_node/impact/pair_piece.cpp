@@ -8,7 +8,8 @@ PairPiece::PairPiece(const Body& body_a, const Body& body_b, const Piece& piece,
     : a(body_a),
       b(body_b),
       motion(piece.a, piece.b, piece.start_ns, piece.end_ns),
-      contact_distance(distance) {
+      contact_distance(distance),
+      tube(piece.tube) {
   const double reach = a.reach() + b.reach();
   const double size = motion.maxDistance() + reach + contact_distance;
   speed = motion.maxSpeed() + motion.spinA() * a.reach() + motion.spinB() * b.reach();

@@ -35,6 +35,7 @@ struct PairPiece {
   const Body& b;
   RelativeMotion motion;
   double contact_distance;
+  double tube;         ///< Piece::tube [m]
   double point_error;  ///< [m]
   double rate_error;   ///< [m/s]
   double frame_error;  ///< [m] the same for points seen in a rotating body's frame, however far away they are

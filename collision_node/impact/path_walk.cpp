@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #if defined(__x86_64__)
 #include <emmintrin.h>
@@ -132,18 +133,27 @@ COLLISION_NODE_INLINE std::uint64_t walkAll(const WideBvh& bvh, const PathWalk& 
   while (true) {
     ++tests;
     if (now.child >= 0) {
+      const WideNode& node = nodes[now.child];
       Floats entered;
-      int lanes = enteredLanes(walk, nodes[now.child], limit, entered);
-      const int base = height;
-      while (lanes != 0) {
-        const int lane = __builtin_ctz(static_cast<unsigned>(lanes));
-        lanes &= lanes - 1;
-        // Sorted while it is written, farthest first, so that the nearest is on top.
-        const Waiting child = {nodes[now.child].child[lane], reinterpret_cast<const float*>(&entered)[lane]};
-        int place = height++;
-        for (; place > base && stack[place - 1].entered < child.entered; --place)
-          stack[place] = stack[place - 1];
-        stack[place] = child;
+      int lanes = enteredLanes(walk, node, limit, entered);
+      if (lanes != 0) {
+        const auto next = [&] {
+          const int lane = __builtin_ctz(static_cast<unsigned>(lanes));
+          lanes &= lanes - 1;
+          return Waiting{node.child[lane], reinterpret_cast<const float*>(&entered)[lane]};
+        };
+        // The nearest goes on at once, the others wait, sorted while they are written, farthest first.
+        now = next();
+        const int base = height;
+        while (lanes != 0) {
+          Waiting child = next();
+          if (child.entered < now.entered) std::swap(child, now);
+          int place = height++;
+          for (; place > base && stack[place - 1].entered < child.entered; --place)
+            stack[place] = stack[place - 1];
+          stack[place] = child;
+        }
+        continue;
       }
     } else {
       const WideLeaf& leaf = leaves[~now.child];

@@ -239,8 +239,24 @@ Search::First Search::firstPossible(double from, double to, double stop) {
     }
   };
   First first;
+  if (straight_) {
+    straight_->first(from, to, 10.0 * stop, path_contact_);
+    node_tests_ += path_contact_.tests;
+    if (path_contact_.kind == PathContact::Kind::kClear) return first;
+    if (path_contact_.kind == PathContact::Kind::kContact) {
+      const std::int32_t met = path_contact_.met[0].element;
+      const ElementPair pair = straight_->pointIsA() ? ElementPair{0, met} : ElementPair{met, 0};
+      return {true, path_contact_.lower, pair};
+    }
+  }
   walk(from, to, Leaf{*this, stop, first});
   return first;
+}
+
+const PathContact* Search::provedAt(double time) const {
+  const bool proved =
+      straight_ && path_contact_.kind == PathContact::Kind::kContact && path_contact_.lower == time;
+  return proved ? &path_contact_ : nullptr;
 }
 
 std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t limit) {

@@ -9,6 +9,7 @@
 
 #include "collision_node/impact/contact_proof.h"
 #include "collision_node/impact/gap_model.h"
+#include "collision_node/impact/straight_path.h"
 
 namespace collision_node::impact {
 
@@ -21,7 +22,8 @@ enum class Proved { kApart, kContact, kNothing };
 
 class Search {
  public:
-  Search(const PairPiece& piece, std::uint64_t node_budget) : piece_(piece), budget_(node_budget) {}
+  Search(const PairPiece& piece, std::uint64_t node_budget)
+      : piece_(piece), budget_(node_budget), straight_(StraightPath::of(piece)) {}
 
   struct First {
     bool found = false;
@@ -31,6 +33,12 @@ class Search {
 
   /// The first time in [from, to] that is not proved free. Steps shorter than `stop` are not refined further.
   First firstPossible(double from, double to, double stop);
+
+  /// The pair as a straight path, if it is one; null otherwise.
+  const StraightPath* straight() const { return straight_ ? &*straight_ : nullptr; }
+  /// The proof, where the last firstPossible() ended with a proved contact at `time` on a straight path; else
+  /// null.
+  const PathContact* provedAt(double time) const;
 
   /// Surfaces, then solids, at one instant. kContact fills `witness`; with a horizon > 0 the witness is,
   /// among those found, the one that provably lasts longest within [t, t + horizon].
@@ -76,6 +84,8 @@ class Search {
 
   const PairPiece& piece_;
   std::uint64_t budget_, node_tests_ = 0, subdivisions_ = 0;
+  std::optional<StraightPath> straight_;
+  PathContact path_contact_;
   std::vector<Slab> slabs_;
   std::vector<Item> stack_;
 };

@@ -13,6 +13,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double sumOf(const Vec3& v) { return std::abs(v.x()) + std::abs(v.y()) + std::abs(v.z()); }
 
+/// Closest point of a segment, for a triangle without area.
+Vec3 closestOnSegment(const Vec3& x, const Vec3& a, const Vec3& b) {
+  const Vec3 e = b - a;
+  const double length2 = e.squaredNorm();
+  return length2 > 0.0 ? Vec3(a + std::clamp((x - a).dot(e) / length2, 0.0, 1.0) * e) : a;
+}
+
 /// A triangle as the path sees it: which side of each edge it passes, positive inside when `turn` is.
 struct Seen {
   double x[3], y[3], z[3];
@@ -43,35 +50,6 @@ Met metOf(const WideLeaf& leaf, int lane) {
   met.element = leaf.element[lane];
   for (int k = 0; k < 3; ++k) met.vertex[k] = leaf.vertex[k][lane];
   return met;
-}
-
-/// Closest point of a segment, for a triangle without area.
-Vec3 closestOnSegment(const Vec3& x, const Vec3& a, const Vec3& b) {
-  const Vec3 e = b - a;
-  const double length2 = e.squaredNorm();
-  return length2 > 0.0 ? Vec3(a + std::clamp((x - a).dot(e) / length2, 0.0, 1.0) * e) : a;
-}
-
-/// Closest point of a triangle by the region of its plane that x lies over (C. Ericson 2005). A proposal:
-/// what is proved from it holds for any point of the triangle.
-Vec3 closestOnTriangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a, ax = x - a;
-  const double d1 = ab.dot(ax), d2 = ac.dot(ax);
-  if (d1 <= 0.0 && d2 <= 0.0) return a;
-  const Vec3 bx = x - b;
-  const double d3 = ab.dot(bx), d4 = ac.dot(bx);
-  if (d3 >= 0.0 && d4 <= d3) return b;
-  const Vec3 cx = x - c;
-  const double d5 = ab.dot(cx), d6 = ac.dot(cx);
-  if (d6 >= 0.0 && d5 <= d6) return c;
-  const double wc = d1 * d4 - d3 * d2, wb = d5 * d2 - d1 * d6, wa = d3 * d6 - d5 * d4;
-  const double whole = wa + wb + wc;
-  if (wa > 0.0 && wb > 0.0 && wc > 0.0 && whole > 0.0) return a + (wb / whole) * ab + (wc / whole) * ac;
-  Vec3 best = closestOnSegment(x, a, b);
-  for (const Vec3& q : {closestOnSegment(x, b, c), closestOnSegment(x, c, a)}) {
-    if ((x - q).squaredNorm() < (x - best).squaredNorm()) best = q;
-  }
-  return best;
 }
 
 /// Keeps what may be met before the earliest proof.
@@ -131,6 +109,26 @@ void keepUntil(PathContact& contact, double end) {
 }
 
 }  // namespace
+
+Vec3 closestOnTriangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, ax = x - a;
+  const double d1 = ab.dot(ax), d2 = ac.dot(ax);
+  if (d1 <= 0.0 && d2 <= 0.0) return a;
+  const Vec3 bx = x - b;
+  const double d3 = ab.dot(bx), d4 = ac.dot(bx);
+  if (d3 >= 0.0 && d4 <= d3) return b;
+  const Vec3 cx = x - c;
+  const double d5 = ab.dot(cx), d6 = ac.dot(cx);
+  if (d6 >= 0.0 && d5 <= d6) return c;
+  const double wc = d1 * d4 - d3 * d2, wb = d5 * d2 - d1 * d6, wa = d3 * d6 - d5 * d4;
+  const double whole = wa + wb + wc;
+  if (wa > 0.0 && wb > 0.0 && wc > 0.0 && whole > 0.0) return a + (wb / whole) * ab + (wc / whole) * ac;
+  Vec3 best = closestOnSegment(x, a, b);
+  for (const Vec3& q : {closestOnSegment(x, b, c), closestOnSegment(x, c, a)}) {
+    if ((x - q).squaredNorm() < (x - best).squaredNorm()) best = q;
+  }
+  return best;
+}
 
 /// Finds through which triangles the path passes, and when.
 class StraightPath::PointVisitor final : public Collector {
@@ -232,7 +230,8 @@ class StraightPath::SphereVisitor final : public Collector {
 
 std::optional<StraightPath> StraightPath::of(const PairPiece& piece) {
   const RelativeMotion& m = piece.motion;
-  if (m.maxAcceleration() != 0.0 || m.jerk() != 0.0 || !(m.duration() > 0.0)) return std::nullopt;
+  if (piece.tube > 0.0 || m.maxAcceleration() != 0.0 || m.jerk() != 0.0 || !(m.duration() > 0.0))
+    return std::nullopt;
   const bool point_is_a = piece.a.elementCount() == 1 && piece.a.triangleCount() == 0;
   const Body &single = point_is_a ? piece.a : piece.b, &mesh = point_is_a ? piece.b : piece.a;
   if (single.elementCount() != 1 || single.triangleCount() != 0) return std::nullopt;

@@ -38,6 +38,10 @@ struct PathContact {
   std::uint64_t tests = 0;  ///< nodes and leaves that were looked at
 };
 
+/// Closest point of a triangle by the region of its plane that x lies over (C. Ericson 2005). A proposal:
+/// what is proved from it holds for any point of the triangle.
+Vec3 closestOnTriangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
+
 class StraightPath {
  public:
   /// The pair as a path, if it is one: one body a single vertex, the other triangles only and without spin,

@@ -361,6 +361,9 @@ TEST(StraightPath, WhatTurnsOrBendsIsNoStraightPath) {
   EXPECT_FALSE(StraightPath::of(PairPiece(body, off, piece, 0.0)).has_value());
   EXPECT_FALSE(StraightPath::of(PairPiece(point, body, piece, 0.0)).has_value());
   EXPECT_FALSE(StraightPath::of(PairPiece(body, body, piece, 0.0)).has_value());
+  piece.tube = 1e-3;
+  EXPECT_FALSE(StraightPath::of(PairPiece(body, point, piece, 0.0)).has_value());
+  piece.tube = 0.0;
   piece.b.c[2] = {0, 0, -5};
   EXPECT_FALSE(StraightPath::of(PairPiece(body, point, piece, 0.0)).has_value());
 }
