@@ -180,6 +180,16 @@ void Body::storeInOrderOfTheTree() {
   });
 }
 
+const WideBvh& Body::wideBvh() const {
+  std::call_once(wide_built_, [this] {
+    wide_ = std::make_unique<WideBvh>(vertices_, triangle_count_, [this](std::int32_t i) {
+      const std::int32_t* v = triangles_[i].v;
+      return WideBvh::Corners{v[0], v[1], v[2]};
+    });
+  });
+  return *wide_;
+}
+
 Element Body::element(std::int32_t id, Vec3* buffer) const {
   if (id >= triangle_count_) return primitives_[id - triangle_count_];
   const Triangle& t = triangles_[id];

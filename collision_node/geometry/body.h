@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "collision_node/geometry/bvh.h"
 #include "collision_node/geometry/shape.h"
+#include "collision_node/geometry/wide_bvh.h"
 
 namespace collision_node::geometry {
 
@@ -37,6 +40,11 @@ class Body {
   std::int32_t elementCount() const {
     return triangle_count_ + static_cast<std::int32_t>(primitives_.size());
   }
+  /// Elements below this are triangles, the others primitives.
+  std::int32_t triangleCount() const { return triangle_count_; }
+  /// The triangles alone, for paths of points and spheres; built by the first call, from any thread. At least
+  /// one triangle is needed.
+  const WideBvh& wideBvh() const;
   /// Fills `buffer[0..2]` for a triangle; the returned view points into `buffer` or into the body.
   Element element(std::int32_t id, Vec3* buffer) const;
 
@@ -70,6 +78,8 @@ class Body {
   std::vector<Vec3> representatives_;
   double radius_ = 0.0, placing_error_ = 0.0;
   std::int32_t triangle_count_ = 0;
+  mutable std::once_flag wide_built_;
+  mutable std::unique_ptr<const WideBvh> wide_;
 };
 
 }  // namespace collision_node::geometry

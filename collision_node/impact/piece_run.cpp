@@ -133,6 +133,11 @@ class Run {
     const bool carried = state_.pending.interval_start_ns != piece_.start_ns;
     double proved_nothing = from;  // the last instant at which nothing was proved
     ContactWitness found;
+    const PathContact* met = carried || state_.was_touching ? nullptr : search_.provedAt(from);
+    if (met != nullptr && closeStraight(*met, witness)) {
+      t = met->upper;
+      return true;
+    }
     bool small = carried;  // start from the smallest step: something may be decided at once
     double step = small ? floor_ : 0.5 * width_;
     while (true) {
@@ -181,6 +186,54 @@ class Run {
       proved_nothing = at;
       step *= kGrow;
     }
+  }
+
+  /// The bracket's search has proved the contact itself. False where it is not known what comes behind it.
+  bool closeStraight(const PathContact& met, std::optional<ContactWitness>& witness) {
+    const StraightPath& path = *search_.straight();
+    const bool whole = options_.scope == Scope::kWholePiece;
+    const Phase next = behind(path, met);
+    if (next == Phase::kUndecided) return false;
+    PairEvent event = state_.pending;
+    event.kind = Kind::kImpact;
+    writer_.finishStraight(event, path, met);
+    event.certificate = Certificate::kConfirmed;
+    event.reason =
+        event.toi_upper - event.toi_lower > options_.time_precision ? Reason::kPrecision : Reason::kNone;
+    events_.push_back(event);
+    state_.contact = event;
+    state_.phase = next;
+    if (next == Phase::kApart) {
+      event.kind = Kind::kSeparation;
+      events_.push_back(event);
+    } else if (path.radius() == 0.0) {
+      witness.emplace();  // held by the solid
+      witness->point = event.position - pair_.motion.poseA(event.toi_lower).position;
+    } else if (whole) {
+      ContactWitness found;
+      found.element_a = opened_.a;
+      found.element_b = opened_.b;
+      Vec3 buffer_a[3], buffer_b[3];
+      const Element a = pair_.a.element(opened_.a, buffer_a), b = pair_.b.element(opened_.b, buffer_b);
+      const Instant now = pair_.at(met.upper);
+      if (touchesAt(pair_, now, a, b, closestPoints(Cores(now, a, b), Vec3::Zero()), found)) witness = found;
+    }
+    return true;
+  }
+
+  /// What a pair that was apart is, behind a contact on a straight path: a sphere touches; a point is inside
+  /// what it went into if that is solid, and apart again if that is a surface. Through several solids at
+  /// once: not known.
+  Phase behind(const StraightPath& path, const PathContact& met) const {
+    if (path.radius() > 0.0) return Phase::kTouching;
+    const auto& solids = (path.pointIsA() ? pair_.b : pair_.a).solids();
+    const auto into_solid = [&](const PathContact::Met& one) {
+      return std::any_of(solids.begin(), solids.end(), [&](const geometry::SolidMesh& solid) {
+        return one.element >= solid.first_element && one.element < solid.end_element;
+      });
+    };
+    if (std::none_of(met.met, met.met + met.count, into_solid)) return Phase::kApart;
+    return met.count == 1 && met.met[0].sure ? Phase::kTouching : Phase::kUndecided;
   }
 
   /// The piece ends inside an open bracket. One that has been open for a whole piece is published and holds

@@ -52,6 +52,7 @@ Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& wor
       test_(piece),
       budget_(node_budget),
       shells_(ShellPair::of(piece)),
+      straight_(StraightPath::of(piece)),
       slabs_(piece, workspace.buffers().slabs),
       stack_(workspace.buffers().stack),
       near_(workspace.buffers().near) {}
@@ -182,6 +183,17 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
   };
   First first;
   near_.clear();
+  near_from_ = kInfinity;
+  if (straight_) {
+    straight_->first(from, to, 10.0 * stop, path_contact_);
+    node_tests_ += path_contact_.tests;
+    if (path_contact_.kind == PathContact::Kind::kClear) return first;
+    if (path_contact_.kind == PathContact::Kind::kContact) {
+      const std::int32_t met = path_contact_.met[0].element;
+      const ElementPair pair = straight_->pointIsA() ? ElementPair{0, met} : ElementPair{met, 0};
+      return {true, path_contact_.lower, pair};
+    }
+  }
   const double asked_from = from, asked_to = to;
   if (!shells_ || shells_->clear(from, to, stop, node_tests_)) walk(from, to, Leaf{*this, stop, window, first});
   near_from_ = exhausted() ? kInfinity : asked_from;
@@ -189,6 +201,12 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
   near_.erase(std::remove_if(near_.begin(), near_.end(), [&](const Near& n) { return n.time > near_to_; }),
               near_.end());
   return first;
+}
+
+const PathContact* Search::provedAt(double time) const {
+  const bool proved =
+      straight_ && path_contact_.kind == PathContact::Kind::kContact && path_contact_.lower == time;
+  return proved ? &path_contact_ : nullptr;
 }
 
 std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t limit) {

@@ -6,12 +6,14 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "collision_node/impact/contact_proof.h"
 #include "collision_node/impact/gap_model.h"
 #include "collision_node/impact/node_test.h"
 #include "collision_node/impact/revolution_shell.h"
+#include "collision_node/impact/straight_path.h"
 #include "collision_node/impact/workspace.h"
 
 namespace collision_node::impact {
@@ -36,6 +38,12 @@ class Search {
   /// The first time in [from, to] that is not proved free. Steps shorter than `stop` are not refined further.
   /// With a window, nearPairs() of times in [first.time, first.time + window] needs no walk of its own.
   First firstPossible(double from, double to, double stop, double window = 0.0);
+
+  /// The pair as a straight path, if it is one; null otherwise.
+  const StraightPath* straight() const { return straight_ ? &*straight_ : nullptr; }
+  /// The proof, where the last firstPossible() ended with a proved contact at `time` on a straight path; else
+  /// null.
+  const PathContact* provedAt(double time) const;
 
   /// Surfaces, then solids, at one instant. kContact fills `witness`; with a horizon > 0 the witness is,
   /// among those found, the one that provably lasts longest within [t, t + horizon].
@@ -83,6 +91,8 @@ class Search {
   const NodeTest test_;
   std::uint64_t budget_, node_tests_ = 0;
   std::unique_ptr<ShellPair> shells_;  ///< null when nothing turns far
+  std::optional<StraightPath> straight_;
+  PathContact path_contact_;
   TimeSlabs slabs_;
   std::vector<Item>& stack_;
   /// Every pair of elements that is not proved apart throughout [near_from_, near_to_] is among these.

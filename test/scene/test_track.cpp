@@ -226,6 +226,23 @@ TEST(Track, ATwistOfMoreThanHalfATurnPerSegmentIsAliased) {
   }
 }
 
+TEST(Track, ABodyThatMayTurnHalfAroundBetweenTwoPosesIsAliasedUnlessTwistsSayOtherwise) {
+  TrackOptions with = options();
+  with.bounds.max_spin = 31.0;  // [rad/s]: less than half a turn in 0.1 s, more in 0.2 s
+  for (const bool has_twist : {false, true}) {
+    Track track(with);
+    for (const Nanoseconds stamp : {0, 100, 300}) {
+      motion::StampedPose pose = at(stamp);
+      pose.has_twist = has_twist;
+      track.add(pose, false, {});
+    }
+    track.releaseAll();
+    const std::size_t first = track.firstIndex();
+    EXPECT_EQ(track.reach(first).doubt, impact::Reason::kNone);
+    EXPECT_EQ(track.reach(first + 1).doubt, has_twist ? impact::Reason::kNone : impact::Reason::kAlias);
+  }
+}
+
 TEST(Track, OfSeveralDoubtsTheWorstIsSaid) {
   using impact::Reason;
   EXPECT_EQ(worseDoubt(Reason::kNone, Reason::kAlias), Reason::kAlias);

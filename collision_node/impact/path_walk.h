@@ -1,0 +1,72 @@
+/// Which triangles can a straight path come near? A walk over a wide hierarchy, nearest boxes first.
+///
+/// Guarantee: every triangle that the path, anywhere in its tube of `reach`, meets before the limit in force
+/// is visited. The numbers that decide are the same on any machine and for any number of lanes; more lanes
+/// are only faster. Derivation: docs/solver.md, "Straight paths". Sources: T. Ize 2013 (robust box test), S.
+/// Woop, C. Benthin, I. Wald 2013 (sheared frame).
+#pragma once
+
+#include <cstdint>
+
+#include "collision_node/geometry/wide_bvh.h"
+
+namespace collision_node::impact {
+
+using geometry::Vec3;
+using geometry::WideBvh;
+using geometry::WideLeaf;
+
+/// How many numbers one instruction holds; the results are the same.
+enum class Lanes { kBaseline, kAvx2 };
+Lanes fastestLanes();  ///< of this processor
+
+/// The frame of a path: axis z is the one along which it moves most, x and y are sheared so that it stands
+/// still in them. A vertex is at (x, y) = what is left of its offset from `origin` there, z its depth along
+/// the path.
+struct ShearedFrame {
+  ShearedFrame(const Vec3& origin, const Vec3& velocity);
+
+  int kx, ky, kz;
+  double origin[3];  ///< along kx, ky, kz
+  double shear_x, shear_y;
+  double rate;         ///< velocity along kz, never 0
+  double error = 0.0;  ///< [m] of any sheared coordinate, against those of the exact path
+};
+
+struct PathWalk {
+  /// The path p + t v, t in [from, to], p and v in the frame of the hierarchy's vertices [m], [m/s]; v is not
+  /// zero. `tube` [m] is how far from it a triangle is still met, `sheared_tube` the same in sheared
+  /// coordinates beyond their error; 0 where only what the line itself may meet counts.
+  PathWalk(const WideBvh& bvh, const ShearedFrame& frame, const Vec3& p, const Vec3& v, double from,
+           double to, double tube, double sheared_tube);
+
+  bool misses;  ///< the root box: nothing to walk
+  // Boxes, in the hierarchy's units; the path's parameter runs from 0 to 1 inside the root box.
+  float near_origin[3], far_origin[3], inverse[3];
+  int near_plane[3], far_plane[3];
+  double start, span;  ///< [s] of parameter 0, and per parameter
+
+  /// The parameter at a time, rounded up.
+  float parameterUp(double t) const;
+  /// A time not after the parameter.
+  double timeDown(float parameter) const;
+
+  // Triangles.
+  const ShearedFrame& frame;
+  double reach;  ///< sheared_tube
+};
+
+/// Sees what the walk could not rule out. Returns the new limit: what is entered after it need not be seen.
+class PathVisitor {
+ public:
+  virtual float visit(const WideLeaf& leaf, int lane, float entered, float limit) = 0;
+
+ protected:
+  ~PathVisitor() = default;
+};
+
+/// Counts nodes and leaves. Everything from parameter 0 to `limit` is walked.
+std::uint64_t walkPath(const WideBvh& bvh, const PathWalk& walk, float limit, PathVisitor& visitor,
+                       Lanes lanes);
+
+}  // namespace collision_node::impact
