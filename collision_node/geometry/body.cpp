@@ -190,6 +190,14 @@ const WideBvh& Body::wideBvh() const {
   return *wide_;
 }
 
+int Body::shapeOf(std::int32_t id) const {
+  if (id >= triangle_count_) return primitives_[id - triangle_count_].shape;
+  int shape = static_cast<int>(first_triangle_of_shape_.size()) - 1;
+  while (first_triangle_of_shape_[shape] < 0 || first_triangle_of_shape_[shape] > triangles_[id].loaded)
+    --shape;
+  return shape;
+}
+
 Element Body::element(std::int32_t id, Vec3* buffer) const {
   if (id >= triangle_count_) return primitives_[id - triangle_count_];
   const Triangle& t = triangles_[id];
@@ -197,8 +205,7 @@ Element Body::element(std::int32_t id, Vec3* buffer) const {
   Element e;
   e.vertices = buffer;
   e.count = 3;
-  e.shape = static_cast<int>(first_triangle_of_shape_.size()) - 1;
-  while (first_triangle_of_shape_[e.shape] < 0 || first_triangle_of_shape_[e.shape] > t.loaded) --e.shape;
+  e.shape = shapeOf(id);
   e.triangle = t.loaded - first_triangle_of_shape_[e.shape];
   return e;
 }

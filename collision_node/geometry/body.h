@@ -47,6 +47,7 @@ class Body {
   const WideBvh& wideBvh() const;
   /// Fills `buffer[0..2]` for a triangle; the returned view points into `buffer` or into the body.
   Element element(std::int32_t id, Vec3* buffer) const;
+  int shapeOf(std::int32_t id) const;  ///< index into shapes()
 
   const Bvh& bvh() const { return bvh_; }
   const std::vector<int>& solids() const { return solids_; }  ///< shapes that are closed meshes

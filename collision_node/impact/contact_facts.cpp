@@ -120,19 +120,24 @@ double normalConeFromPoints(const std::vector<Vec3>& pa, const std::vector<Vec3>
   }
   std::sort(all.begin(), all.end(),
             [](const Difference& x, const Difference& y) { return x.height < y.height; });
-  double best = M_PI;
+  double widest = 0.0;  // no hull holds a larger disc
+  for (const Difference& d : all) widest = std::max(widest, d.across.norm());
+  constexpr double kLevel = 1.2;  // heights this close are one level: a hull for each would tell little more
+  double best_sine = 1.0, level = -1.0;
   Polygon used;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    used.push_back(all[i].across);
-    const bool last_of_level =
-        i + 1 == all.size() || all[i + 1].height > all[i].height * (1.0 + 1e-9) + 1e-300;
-    if (!last_of_level || used.size() < 3) continue;
     const double sine_low = moved + all[i].height;
+    if (!(sine_low < best_sine * widest)) break;
+    if (level < 0.0) level = sine_low;
+    used.push_back(all[i].across);
+    if (i + 1 < all.size() && moved + all[i + 1].height <= level * kLevel) continue;
+    level = -1.0;
+    if (used.size() < 3) continue;
     const double l = discInHull(used);
-    if (l > sine_low) best = std::min(best, std::asin(sine_low / l));
+    if (l > sine_low) best_sine = std::min(best_sine, sine_low / l);
     if (used.size() > 64) break;
   }
-  return best;
+  return best_sine < 1.0 ? std::asin(best_sine) * (1.0 + 64.0 * kUnit) : M_PI;
 }
 
 /// How far the computed closest vector may lean from the exact one [rad].

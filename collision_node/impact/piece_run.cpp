@@ -226,11 +226,10 @@ class Run {
   /// once: not known.
   Phase behind(const StraightPath& path, const PathContact& met) const {
     if (path.radius() > 0.0) return Phase::kTouching;
-    const auto& solids = (path.pointIsA() ? pair_.b : pair_.a).solids();
+    const Body& body = path.pointIsA() ? pair_.b : pair_.a;
     const auto into_solid = [&](const PathContact::Met& one) {
-      return std::any_of(solids.begin(), solids.end(), [&](const geometry::SolidMesh& solid) {
-        return one.element >= solid.first_element && one.element < solid.end_element;
-      });
+      const std::vector<int>& solids = body.solids();
+      return std::find(solids.begin(), solids.end(), body.shapeOf(one.element)) != solids.end();
     };
     if (std::none_of(met.met, met.met + met.count, into_solid)) return Phase::kApart;
     return met.count == 1 && met.met[0].sure ? Phase::kTouching : Phase::kUndecided;

@@ -32,13 +32,16 @@ Polygon convexHull(Polygon points) {
 }
 
 Polygon grownHull(const Polygon& points, double radius) {
-  constexpr int kSides = 8;
-  const double corner = radius / std::cos(M_PI / kSides) * (1.0 + 1e-12);
+  // The octagon around the disc: corners at (+-1, +-h) and (+-h, +-1) times the radius, h = tan(pi/8) rounded up.
+  const double outer = radius * (1.0 + 1e-12), inner = 0.41421356237309515 * outer;
   Polygon grown;
+  grown.reserve(8 * points.size());
   for (const Vec2& p : points) {
-    for (int k = 0; k < kSides; ++k) {
-      const double angle = 2.0 * M_PI * k / kSides;
-      grown.push_back(p + corner * Vec2(std::cos(angle), std::sin(angle)));
+    for (const double side : {-outer, outer}) {
+      for (const double along : {-inner, inner}) {
+        grown.push_back(p + Vec2(side, along));
+        grown.push_back(p + Vec2(along, side));
+      }
     }
   }
   return convexHull(std::move(grown));
