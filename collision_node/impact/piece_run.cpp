@@ -16,6 +16,7 @@ using Phase = PairState::Phase;
 /// Successive instants of a search behind a bracket's start. What rounding hides is up to six budgets wide;
 /// with this overshoot the bracket stays within eight.
 constexpr double kGrow = 1.3;
+constexpr int kHalvings = 3;  ///< of the last step of such a search
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The state machine on one piece. Times are seconds from the piece's start.
@@ -148,8 +149,8 @@ class Run {
       if (opened_.a >= 0) proved = search_.classifyPair(at, opened_, &found);
       if (proved != Proved::kContact) proved = search_.classify(at, &found, end_);
       if (proved == Proved::kContact) {
-        confirm(from, at, found, witness);
-        t = at;
+        t = soonestContact(from, proved_nothing, at, found);
+        confirm(from, t, found, witness);
         return true;
       }
       if (proved == Proved::kApart && !(from >= end_)) {
@@ -186,6 +187,38 @@ class Run {
       proved_nothing = at;
       step *= kGrow;
     }
+  }
+
+  /// Steps behind a bracket's start grow, so the last one may go too far: halves it where the bracket is
+  /// wider than was asked for. Nothing is proved at `nothing`, contact is proved at `at`, and at the time
+  /// returned.
+  double soonestContact(double from, double nothing, double at, ContactWitness& found) {
+    for (int i = 0; i < kHalvings && at - from > options_.time_precision && found.element_a >= 0; ++i) {
+      const double middle = 0.5 * (nothing + at);
+      if (!(middle > nothing && middle < at)) break;
+      ContactWitness sooner;
+      if (search_.classifyPair(middle, {found.element_a, found.element_b}, &sooner) == Proved::kContact) {
+        at = middle;
+        found = std::move(sooner);
+      } else {
+        nothing = middle;
+      }
+    }
+    return at;
+  }
+
+  /// The same at the other end of a contact, proved at `contact`: the pair is apart at `at`, and at the time
+  /// returned.
+  double soonestApart(double contact, double nothing, double at) {
+    ContactWitness witness;
+    for (int i = 0; i < kHalvings && at - contact > options_.time_precision; ++i) {
+      const double middle = 0.5 * (nothing + at);
+      if (!(middle > nothing && middle < at)) break;
+      const bool apart = search_.classify(middle, &witness) == Proved::kApart &&
+                         (search_.nearPairs(middle, at, 1).empty() && !search_.exhausted());
+      (apart ? at : nothing) = middle;
+    }
+    return at;
   }
 
   /// The bracket's search has proved the contact itself. False where it is not known what comes behind it.
@@ -344,8 +377,9 @@ class Run {
   /// In contact at `t`: follows the proof forward, and where it ends looks for the next one or for clearance.
   bool follow(double& t, std::optional<ContactWitness>& witness) {
     double look = floor_;
-    double proved = t;  // contact is proved up to here
-    if (!witness) {     // a new piece: the last one's contact still has to be found in this one
+    double proved = t;   // contact is proved up to here
+    double nothing = t;  // the last instant at which nothing was
+    if (!witness) {      // a new piece: the last one's contact still has to be found in this one
       ContactWitness found;
       const Proved now = search_.classify(t, &found, end_);
       if (now == Proved::kContact) witness = std::move(found);
@@ -363,6 +397,7 @@ class Run {
         last_witness_ = *witness;
         witness.reset();
         look = floor_;
+        nothing = proved;
         if (t >= end_) break;
       }
       const double at = std::min(end_, proved + look);
@@ -377,13 +412,14 @@ class Run {
         const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
         const bool owed = !next.found || next.time - at > at - proved;
         if (owed) {
+          t = soonestApart(proved, nothing, at);
           openSeparation(proved);
-          publishSeparation(at);
-          t = at;
+          publishSeparation(t);
           return true;
         }
         look = std::max(next.time - proved, look * kGrow);
       } else {
+        nothing = at;
         look *= kGrow;
       }
       if (at >= end_) {

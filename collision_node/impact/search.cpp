@@ -188,6 +188,12 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
     straight_->first(from, to, 10.0 * stop, path_contact_);
     node_tests_ += path_contact_.tests;
     if (path_contact_.kind == PathContact::Kind::kClear) return first;
+    // Near the rounding budget the general search brackets more closely.
+    const double widest = std::max(10.0 * stop, 8.0 * piece_.point_error / piece_.speed);
+    if (path_contact_.kind == PathContact::Kind::kContact &&
+        path_contact_.upper - path_contact_.lower > widest) {
+      path_contact_.kind = PathContact::Kind::kCannotTell;
+    }
     if (path_contact_.kind == PathContact::Kind::kContact) {
       const std::int32_t met = path_contact_.met[0].element;
       const ElementPair pair = straight_->pointIsA() ? ElementPair{0, met} : ElementPair{met, 0};
@@ -195,7 +201,8 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
     }
   }
   const double asked_from = from, asked_to = to;
-  if (!shells_ || shells_->clear(from, to, stop, node_tests_)) walk(from, to, Leaf{*this, stop, window, first});
+  if (!shells_ || shells_->clear(from, to, stop, node_tests_))
+    walk(from, to, Leaf{*this, stop, window, first});
   near_from_ = exhausted() ? kInfinity : asked_from;
   near_to_ = first.found ? std::min(first.time + window, asked_to) : asked_to;
   near_.erase(std::remove_if(near_.begin(), near_.end(), [&](const Near& n) { return n.time > near_to_; }),
