@@ -19,7 +19,7 @@ class Certified : public PairMethod {
   PieceOutcome advance(const Piece& piece, PairState& state, std::vector<PairEvent>& events) const override {
     const PairPiece pair(a_, b_, piece, options_.contact_distance);
     Workspace workspace;
-    const PieceOutcome outcome = runPiece(pair, piece, options_, workspace, state, events);
+    const PieceOutcome outcome = PieceRun(pair, piece, options_, workspace, state, events).run();
     state.decided_ns = piece.end_ns;
     state.last_piece = piece;
     return outcome;
@@ -79,7 +79,7 @@ void solve(const Body& a, const Body& b, const Piece& piece, const PairOptions& 
   solution.events.clear();
   const PairPiece pair(a, b, piece, options.contact_distance);
   PairState state;
-  const PieceOutcome outcome = runPiece(pair, piece, options, workspace, state, solution.events);
+  const PieceOutcome outcome = PieceRun(pair, piece, options, workspace, state, solution.events).run();
   state.last_piece = piece;
   if (state.phase == Phase::kUndecided) Certified(a, b, options).finish(state, solution.events);
   solution.verdict = outcome.answer;

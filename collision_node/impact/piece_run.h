@@ -8,16 +8,102 @@
 ///   - What cannot be decided is published as POSSIBLE, never as clear.
 #pragma once
 
+#include <array>
+#include <limits>
+#include <optional>
 #include <vector>
 
-#include "collision_node/impact/pair_piece.h"
+#include "collision_node/impact/event_writer.h"
 #include "collision_node/impact/workspace.h"
 
 namespace collision_node::impact {
 
-/// Appends the changes of contact on the piece in time order and brings `state` to its end, all but
-/// PairState::decided_ns and last_piece.
-PieceOutcome runPiece(const PairPiece& pair, const Piece& piece, const PairOptions& options,
-                      Workspace& workspace, PairState& state, std::vector<PairEvent>& events);
+/// One piece of one pair, from the state at its start to the state at its end. Times are seconds from the
+/// piece's start. Its brackets are in piece_run.cpp, contacts and how they end in piece_contact.cpp, points
+/// that pass through surfaces and straight paths in piece_passage.cpp.
+class PieceRun {
+ public:
+  PieceRun(const PairPiece& pair, const Piece& piece, const PairOptions& options, Workspace& workspace,
+           PairState& state, std::vector<PairEvent>& events);
+
+  PieceOutcome run();
+
+ private:
+  /// Successive instants of a search behind the end of a proof grow by this. What rounding hides is up to six
+  /// budgets wide; with this overshoot a bracket stays within eight.
+  static constexpr double kGrow = 1.3;
+  static constexpr int kHalvings = 3;  ///< of the last step of such a search
+
+  /// A pair's first instant: overlapping, apart, or not known.
+  void start();
+  /// Contact is proved at `t`, and nothing is known of how it began.
+  void beginOverlap(double t, const ContactWitness& witness);
+  /// Opens a bracket at `t`: contact is possible from here on.
+  void open(Kind kind, double t, ElementPair pair);
+  /// Behind the start of an open bracket: finds what is proved first, contact or clearance. Returns false at
+  /// the end.
+  bool resolve(double& t, std::optional<ContactWitness>& witness);
+  /// Steps behind a bracket's start grow, so the last one may go too far: halves it where the bracket is
+  /// wider than was asked for. Nothing is proved at `nothing`, contact is proved at `at`, and at the time
+  /// returned.
+  double soonestContact(double from, double nothing, double at, ContactWitness& found);
+  /// The same at the other end of a contact, proved at `contact`: the pair is apart at `at`, and at the time
+  /// returned.
+  double soonestApart(double contact, double nothing, double at);
+  /// The bracket's search has proved the contact itself. False where it is not known what comes behind it.
+  bool closeStraight(const PathContact& met, std::optional<ContactWitness>& witness);
+  /// What a pair that was apart is, behind a contact on a straight path: a sphere touches; a point is inside
+  /// what it went into if that is solid, and apart again if that is a surface. Through several solids at
+  /// once: not known.
+  PairState::Phase behind(const StraightPath& path, const PathContact& met) const;
+  /// The piece ends inside an open bracket. One that has been open for a whole piece is published and holds
+  /// up nothing.
+  bool waitForMore();
+  /// Contact is proved at `at`: closes the open bracket as CONFIRMED.
+  void confirm(double from, double at, const ContactWitness& found, std::optional<ContactWitness>& witness);
+  /// Contact at a few instants strictly between two?
+  bool inBetween(double low, double high, ContactWitness& found);
+  /// A point went through a surface between the two instants: an impact and its separation in one bracket.
+  /// Seen from a little earlier and, where it fails, a little later: what is proved apart around the bracket
+  /// holds no contact, so a passage of all that time is one of the bracket.
+  bool passed(double from, double at, double& t);
+  /// Whether the pair is a point that passes through the other's triangle, or through those around it.
+  bool passesBetween(const Instant& first, const Instant& last, const std::vector<ElementPair>& near,
+                     ElementPair pair) const;
+  /// The triangles of one mesh among the near pairs of the same point.
+  std::vector<std::array<Vec3, 3>> patchAround(const std::vector<ElementPair>& near, ElementPair pair,
+                                               bool point_is_a, int shape) const;
+  /// In contact at `t`: follows the proof forward, and where it ends looks for the next one or for clearance.
+  bool follow(double& t, std::optional<ContactWitness>& witness);
+  /// Moves t forward as long as this witness proves contact.
+  void persist(double& t, ContactWitness& witness);
+  void openSeparation(double t);
+  /// Closes a separation's bracket at `at`. `apart`: proved there, else the question stays open.
+  void publishSeparation(double at, bool apart = true);
+  /// Closes the open bracket at `at`, where the pair is proved apart again or the data end, without a proof
+  /// of contact.
+  void publishPossible(double at, bool proved_apart = false);
+  /// The node budget is spent: everything from `t` on is one open question.
+  void stopForBudget(double t);
+  /// Publishes the open bracket as POSSIBLE up to the piece's end. It holds nothing up any more; the pair is
+  /// neither in contact nor apart until one of them is proved.
+  void giveUp();
+
+  const PairPiece& pair_;
+  const Piece& piece_;
+  const PairOptions& options_;
+  Search search_;
+  EventWriter writer_;
+  PairState& state_;
+  std::vector<PairEvent>& events_;
+  const double end_;
+  double floor_, width_;
+  ElementPair opened_;
+  ContactWitness last_witness_;
+  std::optional<ContactWitness> start_witness_;
+  double found_at_ = 0.0;
+  double free_since_ = std::numeric_limits<double>::infinity();  ///< the search that opened the bracket
+                                                                 ///< proved the time since then free
+};
 
 }  // namespace collision_node::impact

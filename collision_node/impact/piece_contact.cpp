@@ -1,0 +1,137 @@
+#include <algorithm>
+
+#include "collision_node/impact/piece_run.h"
+
+namespace collision_node::impact {
+namespace {
+
+using Phase = PairState::Phase;
+
+}  // namespace
+
+double PieceRun::soonestApart(double contact, double nothing, double at) {
+  ContactWitness witness;
+  for (int i = 0; i < kHalvings && at - contact > options_.time_precision; ++i) {
+    const double middle = 0.5 * (nothing + at);
+    if (!(middle > nothing && middle < at)) break;
+    const bool apart = search_.classify(middle, &witness) == Proved::kApart &&
+                       (search_.nearPairs(middle, at, 1).empty() && !search_.exhausted());
+    (apart ? at : nothing) = middle;
+  }
+  return at;
+}
+
+bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
+  double look = floor_;
+  double proved = t;   // contact is proved up to here
+  double nothing = t;  // the last instant at which nothing was
+  if (!witness) {      // a new piece: the last one's contact still has to be found in this one
+    ContactWitness found;
+    const Proved now = search_.classify(t, &found, end_);
+    if (now == Proved::kContact) witness = std::move(found);
+    if (now == Proved::kApart) {
+      openSeparation(t);
+      publishSeparation(t);
+      return true;
+    }
+  }
+  while (t < end_) {
+    if (search_.exhausted()) return true;
+    if (witness) {
+      persist(t, *witness);
+      proved = t;
+      last_witness_ = *witness;
+      witness.reset();
+      look = floor_;
+      nothing = proved;
+      if (t >= end_) break;
+    }
+    const double at = std::min(end_, proved + look);
+    ContactWitness found;
+    const Proved now = search_.classify(at, &found, end_ - at);
+    if (now == Proved::kContact) {
+      t = at;
+      witness = std::move(found);
+      continue;
+    }
+    if (now == Proved::kApart) {
+      const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
+      const bool owed = !next.found || next.time - at > at - proved;
+      if (owed) {
+        t = soonestApart(proved, nothing, at);
+        openSeparation(proved);
+        publishSeparation(t);
+        return true;
+      }
+      look = std::max(next.time - proved, look * kGrow);
+    } else {
+      nothing = at;
+      look *= kGrow;
+    }
+    if (at >= end_) {
+      openSeparation(proved);
+      state_.phase = Phase::kUndecided;
+      return waitForMore();
+    }
+  }
+  openSeparation(proved);  // where the next piece would begin to look
+  state_.phase = Phase::kTouching;
+  return false;
+}
+
+void PieceRun::persist(double& t, ContactWitness& witness) {
+  if (witness.element_a < 0) {  // one body inside the other: until surfaces can meet
+    const Search::First first = search_.firstPossible(t, end_, 0.1 * width_);
+    t = first.found ? std::max(t, first.time) : end_;
+    return;
+  }
+  Vec3 buffer_a[3], buffer_b[3];
+  const Element a = pair_.a.element(witness.element_a, buffer_a),
+                b = pair_.b.element(witness.element_b, buffer_b);
+  double step = end_ - t;
+  Instant now = pair_.at(t);
+  while (t < end_ && !search_.exhausted()) {
+    const double next = std::min(end_, t + step);
+    const Instant later = pair_.at(next);
+    search_.countTest();
+    if (next > t && touchesThrough(pair_, now, later, a, b, witness)) {
+      t = next;
+      now = later;
+      ContactWitness fresh;
+      if (touchesAt(pair_, now, a, b, closestPoints(Cores(now, a, b), Vec3::Zero()), fresh)) {
+        witness.closest = fresh.closest;
+        witness.wrap = std::move(fresh.wrap);
+        witness.rounded = fresh.rounded;
+        witness.point = fresh.point;
+      }
+      step *= 2.0;
+    } else {
+      step *= 0.25;
+      if (step < floor_) return;
+    }
+  }
+}
+
+void PieceRun::openSeparation(double t) {
+  const PairEvent contact = state_.contact;
+  open(Kind::kSeparation, t, {last_witness_.element_a, last_witness_.element_b});
+  state_.contact = contact;
+}
+
+void PieceRun::publishSeparation(double at, bool apart) {
+  PairEvent event = state_.pending;
+  const double from = std::max(0.0, writer_.localStart(event));
+  ElementPair pair = opened_;
+  if (pair.a < 0) pair = writer_.anyNear(from, at);
+  writer_.finishSeparation(event, from, at, pair, state_, opened_.a >= 0);
+  const bool sure = apart && state_.contact.certificate == Certificate::kConfirmed;
+  event.certificate = sure ? Certificate::kConfirmed : Certificate::kPossible;
+  event.reason = search_.exhausted()                                           ? Reason::kBudget
+                 : !sure                                                       ? Reason::kGrazing
+                 : event.toi_upper - event.toi_lower > options_.time_precision ? Reason::kPrecision
+                                                                               : Reason::kNone;
+  events_.push_back(event);
+  state_.phase = Phase::kApart;
+  state_.was_touching = false;
+}
+}  // namespace collision_node::impact
