@@ -63,6 +63,7 @@ class Builder {
 
  private:
   static constexpr int kBins = 16;
+  static constexpr std::size_t kWidth = BvhBlock::kWidth, kFew = 16;
 
   std::int32_t addBlock() {
     BvhBlock empty;
@@ -100,10 +101,11 @@ class Builder {
   std::int32_t split(const Range& range) {
     Range ranges[BvhBlock::kWidth] = {range};
     int count = 1;
+    const std::size_t most = range.count() > kWidth ? kWidth : 1;  // a block of leaves stays together
     while (count < BvhBlock::kWidth) {
       int largest = -1;
       for (int i = 0; i < count; ++i) {
-        if (ranges[i].count() > 1 &&
+        if (ranges[i].count() > most &&
             (largest < 0 || ranges[i].box.halfArea() > ranges[largest].box.halfArea()))
           largest = i;
       }
@@ -127,13 +129,18 @@ class Builder {
     }
     const float low = 2.0F * box.lower[axis], extent = 2.0F * (box.upper[axis] - box.lower[axis]);
     std::size_t middle = begin;
-    if (end - begin > 4 && extent > 0.0F) middle = splitByArea(begin, end, axis, low, extent, halves);
-    if (middle == begin || middle == end) middle = splitByCount(begin, end, axis, halves);
+    const std::size_t count = end - begin;
+    if (count > kWidth && extent > 0.0F) middle = splitByArea(begin, end, axis, low, extent, halves);
+    if (middle == begin || middle == end) middle = splitByCount(begin, end, begin + count / 2, axis, halves);
+    // Few elements: whole blocks of leaves, so that lanes and memory are not spent on nothing.
+    if (count > kWidth && count <= kFew && (middle - begin) % kWidth != 0) {
+      const std::size_t left = std::max<std::size_t>(kWidth, (middle - begin + kWidth / 2) / kWidth * kWidth);
+      middle = splitByCount(begin, end, begin + (left < count ? left : left - kWidth), axis, halves);
+    }
     return middle;
   }
 
-  std::size_t splitByCount(std::size_t begin, std::size_t end, int axis, Box halves[2]) {
-    const std::size_t middle = begin + (end - begin) / 2;
+  std::size_t splitByCount(std::size_t begin, std::size_t end, std::size_t middle, int axis, Box halves[2]) {
     const auto at = [&](std::size_t i) { return entries_.begin() + static_cast<std::ptrdiff_t>(i); };
     std::nth_element(at(begin), at(middle), at(end), [axis](const Entry& x, const Entry& y) {
       const float a = x.twiceCentre(axis), b = y.twiceCentre(axis);
@@ -283,8 +290,8 @@ void Bvh::addPlates(const std::function<Corners(std::int32_t)>& corners) {
     const double middle = block.plate_middle[lane];
     block.plate_half[lane] = roundedUp(std::max(high - middle, middle - low) + rounding);
   }
-  order_ = {};
-  held_ = {};
+  order_ = std::vector<std::int32_t>();  // gives the memory back
+  held_ = std::vector<Held>();
 }
 
 bool Bvh::exists(std::int32_t node) const { return (*this)[node].half[0] >= 0.0F; }

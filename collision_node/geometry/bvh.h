@@ -36,7 +36,7 @@ struct BvhNode {
 constexpr double kPlateLength = 127.0;
 
 /// Up to four nodes with the same parent, laid out so that one operation serves all of them.
-struct alignas(64) BvhBlock {
+struct alignas(16) BvhBlock {
   static constexpr int kWidth = 4;
   float centre[3][kWidth];
   float half[3][kWidth];  ///< far below zero where there is no node: such a box meets nothing

@@ -29,29 +29,41 @@ TrianglePair::TrianglePair(const PairPiece& piece, const Instant& now, const Ele
 
 double TrianglePair::apartFor(double span) const {
   const Vec3 &wa = piece_.motion.omegaA(), &wb = piece_.motion.omegaB();
-  double best = 0.0;
-  const auto longEnough = [&](const Vec3& n, const Vec3& rate) {
-    best = std::max(best, alongAxis(n, rate, span));
-    return best >= span;
-  };
   Vec3 edges_a[3], edges_b[3];
   for (int i = 0; i < 3; ++i) {
     edges_a[i] = a_[(i + 1) % 3] - a_[i];
     edges_b[i] = b_[(i + 1) % 3] - b_[i];
   }
-  const Vec3 face_a = edges_a[0].cross(edges_a[1]), face_b = edges_b[0].cross(edges_b[1]);
-  if (longEnough(face_a, wa.cross(face_a)) || longEnough(face_b, wb.cross(face_b))) return span;
-  for (const Vec3& ea : edges_a) {
-    const Vec3 ea_rate = wa.cross(ea);
-    for (const Vec3& eb : edges_b) {
-      if (longEnough(ea.cross(eb), ea_rate.cross(eb) + ea.cross(wb.cross(eb)))) return span;
-    }
+  Candidate all[11];
+  int count = 0;
+  const auto consider = [&](const Vec3& normal, int edge_a, int edge_b) {
+    const double gap = gapAlong(normal);
+    if (gap != 0.0) all[count++] = {normal, gap, edge_a, edge_b};
+  };
+  consider(edges_a[0].cross(edges_a[1]), -1, 0);
+  consider(edges_b[0].cross(edges_b[1]), 0, -1);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) consider(edges_a[i].cross(edges_b[j]), i, j);
+  }
+  // The widest gaps first; a few tell nearly as much as all.
+  constexpr int kTried = 4;
+  const int tried = std::min(count, kTried);
+  std::partial_sort(all, all + tried, all + count,
+                    [](const Candidate& x, const Candidate& y) { return std::abs(x.gap) > std::abs(y.gap); });
+  double best = 0.0;
+  for (int i = 0; i < tried && best < span; ++i) {
+    const Candidate& c = all[i];
+    const Vec3 rate = c.edge_b < 0   ? wb.cross(c.normal)
+                      : c.edge_a < 0 ? wa.cross(c.normal)
+                                     : Vec3(wa.cross(edges_a[c.edge_a]).cross(edges_b[c.edge_b]) +
+                                            edges_a[c.edge_a].cross(wb.cross(edges_b[c.edge_b])));
+    best = std::max(best, alongAxis(c.normal, rate, c.gap > 0.0 ? 1.0 : -1.0, span));
   }
   return best;
 }
 
-/// `normal` may have any length and either sense; its rate across itself counts.
-double TrianglePair::alongAxis(const Vec3& normal, const Vec3& normal_rate, double span) const {
+/// The gap now along a normal of any length; negative where A lies beyond B, 0 where they overlap.
+double TrianglePair::gapAlong(const Vec3& normal) const {
   const double length2 = normal.squaredNorm();
   if (!(length2 > 1e-300)) return 0.0;
   const double offset = normal.dot(now_.d);
@@ -60,12 +72,15 @@ double TrianglePair::alongAxis(const Vec3& normal, const Vec3& normal_rate, doub
     pa[i] = normal.dot(a_[i]);
     pb[i] = normal.dot(b_[i]) + offset;
   }
-  double sign = 1.0;
-  if (!(std::min({pb[0], pb[1], pb[2]}) > std::max({pa[0], pa[1], pa[2]}))) {
-    if (!(std::min({pa[0], pa[1], pa[2]}) > std::max({pb[0], pb[1], pb[2]}))) return 0.0;
-    sign = -1.0;
-  }
-  const double scale = sign / std::sqrt(length2);
+  const double ahead = std::min({pb[0], pb[1], pb[2]}) - std::max({pa[0], pa[1], pa[2]});
+  const double behind = std::min({pa[0], pa[1], pa[2]}) - std::max({pb[0], pb[1], pb[2]});
+  if (ahead > 0.0) return ahead / std::sqrt(length2);
+  return behind > 0.0 ? -behind / std::sqrt(length2) : 0.0;
+}
+
+/// `normal` may have any length; its rate across itself counts.
+double TrianglePair::alongAxis(const Vec3& normal, const Vec3& normal_rate, double sign, double span) const {
+  const double scale = sign / normal.norm();
   const Vec3 n = normal * scale;
   const Vec3 rate = normal_rate * scale - n * (n.dot(normal_rate) * scale);
 
