@@ -188,17 +188,17 @@ bool staysOneVertex(const Cores& cores, const Closest& closest, bool side_a, con
 /// At a contact closest points no longer tell a direction. The best of: the features' own normals, and the
 /// axes of instants at which the two were still (or again) well apart, turned on to now.
 Vec3 bestNormal(const PairPiece& piece, const Instant& now, const Element& ea, const Element& eb,
-                const Vec3& first, double apart_at) {
+                const Closest& closest, const Vec3& first, double apart_at) {
   const Cores cores(now, ea, eb);
   Vec3 best = first;
-  const auto gapAlong = [&](const Vec3& n) {
-    return n.dot(cores.b.place(cores.b.supportLocal(-n))) - n.dot(cores.a.place(cores.a.supportLocal(n)));
-  };
-  double best_gap = gapAlong(first);
+  double best_gap = cores.gapAlong(first);
+  // No axis shows a larger gap than the distance of two points.
+  const double most = closest.v.norm();
+  if (best_gap > (1.0 - 1e-6) * most - 2.0 * piece.point_error) return best;
   const auto propose = [&](const Vec3& direction) {
     const double length = direction.norm();
     if (!(length > 0.0)) return;
-    const double gap = gapAlong(direction / length);
+    const double gap = cores.gapAlong(direction / length);
     if (gap > best_gap) {
       best_gap = gap;
       best = direction / length;
@@ -277,7 +277,7 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
       witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
     return describeOverlap(piece, now, witness);
   }
-  if (radius == 0.0) axis.direction = bestNormal(piece, now, ea, eb, axis.direction, apart_at);
+  if (radius == 0.0) axis.direction = bestNormal(piece, now, ea, eb, closest, axis.direction, apart_at);
   const Vec3 n = axis.direction.normalized();
   const Vec3 e1 = n.unitOrthogonal(), e2 = n.cross(e1);
   const double turned = (m.spinA() + m.spinB()) * span + earlier.angle;

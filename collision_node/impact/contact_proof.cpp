@@ -252,6 +252,35 @@ bool WrapBuilder::build(double depth) {
   return false;
 }
 
+/// The pair with its cylinders made smaller by `depth` all around. What is left, grown by `depth`, lies in
+/// the cylinder, so smaller cores within `radius` of each other touch: smooth surfaces get a radius to prove
+/// with.
+struct Shrunk {
+  Element a, b;
+  double radius;
+
+  Shrunk(const PairPiece& piece, const Element& ea, const Element& eb, double depth)
+      : a(ea), b(eb), radius(ea.radius + eb.radius + piece.contact_distance) {
+    if (depth > 0.0) {
+      shrink(a, depth);
+      shrink(b, depth);
+    }
+  }
+
+  static double deepest(const Element& e) {
+    return e.vertices == nullptr ? std::min(e.rim_radius, e.half_length) : 0.0;
+  }
+
+ private:
+  void shrink(Element& e, double depth) {
+    if (e.vertices != nullptr) return;
+    const double by = std::min(depth, deepest(e));
+    radius += by - 16.0 * kUnit * (e.rim_radius + e.half_length);
+    e.rim_radius -= by;
+    e.half_length -= by;
+  }
+};
+
 /// |sum of weight_i w_i| control points of a linear blend between two instants, each within `limit`?
 bool closeThrough(const Instant& from, const Instant& to, const Closest& first, const Closest& last,
                   double limit) {
@@ -266,6 +295,62 @@ bool closeThrough(const Instant& from, const Instant& to, const Closest& first, 
   return x0.norm() <= limit && x1.norm() <= limit && x2.norm() <= limit;
 }
 
+/// The common point of a rounded proof: on the segment between the cores, by their shares of the radius.
+Vec3 sharedPoint(const Instant& now, const Closest& closest, double share) {
+  Vec3 point = Vec3::Zero();
+  for (int i = 0; i < closest.count; ++i) point += closest.weight[i] * (now.ra * closest.point[i].local_a);
+  return point + share * closest.v;
+}
+
+/// Weights of the origin in a tetrahedron that may be as flat as the contact is shallow: volumes leave an
+/// error across it, which one step of Newton takes away.
+void refineWeights(Closest& c) {
+  if (!c.overlap || c.count != 4) return;
+  const Vec3 e1 = c.point[1].w - c.point[0].w, e2 = c.point[2].w - c.point[0].w,
+             e3 = c.point[3].w - c.point[0].w;
+  const Vec3 c1 = e2.cross(e3), c2 = e3.cross(e1), c3 = e1.cross(e2);
+  const double volume = e1.dot(c1);
+  if (volume == 0.0) return;
+  for (int step = 0; step < 2; ++step) {
+    Vec3 x = Vec3::Zero();
+    for (int i = 0; i < 4; ++i) x += c.weight[i] * c.point[i].w;
+    const double d1 = x.dot(c1) / volume, d2 = x.dot(c2) / volume, d3 = x.dot(c3) / volume;
+    const double w[4] = {c.weight[0] + (d1 + d2 + d3), c.weight[1] - d1, c.weight[2] - d2, c.weight[3] - d3};
+    if (!(w[0] >= 0.0 && w[1] >= 0.0 && w[2] >= 0.0 && w[3] >= 0.0)) return;  // convex, or as they were
+    std::copy(w, w + 4, c.weight);
+  }
+}
+
+/// Contact proved with shrunk cylinders. The deeper the proof, the longer it lasts; how deep it may be
+/// depends on how deep the contact is.
+bool touchesShrunk(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+                   const Vec3& guess, ContactWitness& witness) {
+  const double deepest = std::max(Shrunk::deepest(a), Shrunk::deepest(b));
+  const double least = 64.0 * piece.point_error;
+  if (!(deepest > least)) return false;
+  constexpr double kStep = 8.0;
+  const bool first = !(witness.shrunk > 0.0);
+  double best = 0.0;
+  for (double depth = first ? least : std::min(deepest, kStep * witness.shrunk); depth >= least;
+       depth = std::max(depth / kStep, depth > least ? least : 0.0)) {
+    const Shrunk small(piece, a, b, depth);
+    const double limit = small.radius - 2.0 * piece.point_error;
+    Closest closest = closestPoints(Cores(now, small.a, small.b), guess, first ? 0.5 * limit : 0.0);
+    refineWeights(closest);
+    const double slack = limit - closest.v.norm();
+    if (slack > best && closeThrough(now, now, closest, closest, limit)) {
+      best = slack;
+      witness.rounded = true;
+      witness.closest = closest;
+      witness.shrunk = depth;
+      witness.point =
+          sharedPoint(now, closest, (small.radius > 0.0 ? (a.radius + 0.5 * depth) / small.radius : 0.5));
+    }
+    if (first || best > limit / kStep) break;  // the next would have less
+  }
+  return best > 0.0;
+}
+
 }  // namespace
 
 bool buildWrap(const Cores& cores, double depth, Wrap& wrap) { return WrapBuilder(cores, wrap).build(depth); }
@@ -276,20 +361,20 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
   const double radius = a.radius + b.radius + piece.contact_distance;
   if (radius > 0.0 && closeThrough(now, now, closest, closest, radius - 2.0 * piece.point_error)) {
     witness.rounded = true;
+    witness.shrunk = 0.0;
     witness.closest = closest;
-    Vec3 pa = Vec3::Zero();
-    for (int i = 0; i < closest.count; ++i) pa += closest.weight[i] * (now.ra * closest.point[i].local_a);
-    const double share = radius > 0.0 ? (a.radius + 0.5 * piece.contact_distance) / radius : 0.5;
-    witness.point = pa + share * closest.v;
+    witness.point = sharedPoint(now, closest, (a.radius + 0.5 * piece.contact_distance) / radius);
     return true;
   }
   // Cores that meet touch at any distance: all that is left where the radius is within the rounding.
   if (a.count == 1 && b.count == 1) return false;  // two points: never provable
   if (!closest.overlap && closest.v.norm() > 16.0 * piece.point_error) return false;
+  if (touchesShrunk(piece, now, a, b, closest.v, witness)) return true;
   for (double depth = 2.0 * piece.point_error; depth < 5e3 * piece.point_error; depth *= 8.0) {
     if (!buildWrap(cores, depth, witness.wrap)) return false;
     if (wrapHolds(piece, now, now, witness.wrap)) {
       witness.rounded = false;
+      witness.shrunk = 0.0;
       // The common point: by GJK's weights where it found the origin inside, else the support of the nearest
       // face.
       Vec3 pa = Vec3::Zero();
@@ -304,10 +389,11 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
 bool touchesThrough(const PairPiece& piece, const Instant& from, const Instant& to, const Element& a,
                     const Element& b, const ContactWitness& witness) {
   if (!witness.rounded) return wrapHolds(piece, from, to, witness.wrap);
-  const double radius = a.radius + b.radius + piece.contact_distance;
-  const Closest last = closestPoints(Cores(to, a, b), witness.closest.v);
+  const Shrunk small(piece, a, b, witness.shrunk);
+  Closest last = closestPoints(Cores(to, small.a, small.b), witness.closest.v);
+  refineWeights(last);
   return closeThrough(from, to, witness.closest, last,
-                      radius - chordError(piece, to.t - from.t) - piece.point_error);
+                      small.radius - chordError(piece, to.t - from.t) - piece.point_error);
 }
 
 bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& to, bool point_is_a,

@@ -28,13 +28,16 @@ bool buildWrap(const Cores& cores, double depth, Wrap& wrap);
 struct ContactWitness {
   std::int32_t element_a = -1, element_b = -1;  ///< -1: one body's solid holds the other (no surfaces touch)
   bool rounded = false;                         ///< two cores within the sum of their radii; else a wrap
-  Closest closest;                              ///< rounded
-  Wrap wrap;                                    ///< otherwise
+  double shrunk = 0.0;  ///< [m] rounded: by how much cylinders were made smaller and grown back
+  Closest closest;      ///< rounded
+  Wrap wrap;            ///< otherwise
   Vec3 point =
       Vec3::Zero();  ///< a common point, world axes relative to A's origin (rounded: between the cores)
 };
 
-/// Do the two elements touch at `now`? Fills `witness` (but not its element ids).
+/// Do the two elements touch at `now`? Fills `witness` (but not its element ids). With `witness.shrunk` > 0 a
+/// proof that lasts is sought, from a little deeper than that on (infinite: from the deepest); else any will
+/// do.
 bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
                const Closest& closest, ContactWitness& witness);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace collision_node::impact {
 namespace {
@@ -132,41 +133,74 @@ Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, 
 
 namespace {
 
-/// Collects both directions of n, made unit, with n's rate kept across it.
-void addBothWays(std::vector<Axis>& axes, const Vec3& n, const Vec3& n_rate, double scale) {
-  const double length = n.norm();
-  if (!(length > 1e-14 * scale)) return;
-  for (const double sign : {1.0, -1.0}) {
+/// Normals made unit, with their rates kept across them. Between cores that are apart every point of B lies
+/// beyond every point of A, so any two of them tell which of the two directions can have a gap.
+class AxisList {
+ public:
+  AxisList(const Instant& now, const Element& a, const Element& b)
+      : across_(now.d + now.rb * anyPoint(b) - now.ra * anyPoint(a)) {
+    axes_.reserve(32);
+  }
+
+  void add(const Vec3& n, const Vec3& n_rate, double scale) {
+    const double length = n.norm();
+    if (!(length > 1e-14 * scale)) return;
+    const double sign = n.dot(across_) < 0.0 ? -1.0 : 1.0;
     Axis axis;
     axis.direction = n * (sign / length);
     axis.rate = (n_rate - n * (n.dot(n_rate) / (length * length))) * (sign / length);
     axis.valid = true;
-    axes.push_back(axis);
+    axes_.push_back(axis);
   }
+
+  std::vector<Axis> take() { return std::move(axes_); }
+
+ private:
+  static const Vec3& anyPoint(const Element& e) { return e.vertices == nullptr ? e.centre : e.vertices[0]; }
+
+  std::vector<Axis> axes_;
+  Vec3 across_;
+};
+
+/// Eight corners in the order of their three signs: three directions of edges stand for all twelve.
+bool isBox(const Element& e) {
+  if (e.count != 8) return false;
+  const Vec3* v = e.vertices;
+  const double small = 1e-12 * (v[7] - v[0]).squaredNorm();
+  for (const int i : {3, 5, 6, 7}) {
+    Vec3 corner = v[0];
+    for (const int bit : {1, 2, 4}) {
+      if ((i & bit) != 0) corner += v[bit] - v[0];
+    }
+    if (!((corner - v[i]).squaredNorm() <= small)) return false;
+  }
+  return true;
 }
 
 /// Axis, side normals through the other's vertices, and normals of the axis with the other's edges.
-void addCylinderAxes(std::vector<Axis>& axes, const Element& cylinder, const Mat3& rotation,
-                     const Vec3& origin, const Vec3& omega, const Element& other, const Mat3& other_rotation,
+void addCylinderAxes(AxisList& axes, const Element& cylinder, const Mat3& rotation, const Vec3& origin,
+                     const Vec3& omega, const Element& other, const Mat3& other_rotation,
                      const Vec3& other_origin, const Vec3& other_omega) {
   const Vec3 axis = rotation * cylinder.axis;
-  addBothWays(axes, axis, omega.cross(axis), 1.0);
+  axes.add(axis, omega.cross(axis), 1.0);
   if (other.vertices == nullptr) {
     const Vec3 second = other_rotation * other.axis;
-    addBothWays(axes, axis.cross(second),
-                omega.cross(axis).cross(second) + axis.cross(other_omega.cross(second)), 1.0);
+    axes.add(axis.cross(second), omega.cross(axis).cross(second) + axis.cross(other_omega.cross(second)),
+             1.0);
     return;
   }
   if (other.count > 8) return;
+  const bool box = isBox(other);
   const Vec3 centre = origin + rotation * cylinder.centre;
   for (int i = 0; i < other.count; ++i) {
     const Vec3 x = other_origin + other_rotation * other.vertices[i] - centre;
     const Vec3 across = x - axis * axis.dot(x);
-    addBothWays(axes, across, omega.cross(across), x.norm());
+    axes.add(across, omega.cross(across), x.norm());
     for (int j = 0; j < i; ++j) {
+      if (box && (j > 0 || (i != 1 && i != 2 && i != 4))) continue;
       const Vec3 edge = other_rotation * (other.vertices[i] - other.vertices[j]);
-      addBothWays(axes, axis.cross(edge), omega.cross(axis).cross(edge) + axis.cross(other_omega.cross(edge)),
-                  edge.norm());
+      axes.add(axis.cross(edge), omega.cross(axis).cross(edge) + axis.cross(other_omega.cross(edge)),
+               edge.norm());
     }
   }
 }
@@ -175,7 +209,8 @@ void addCylinderAxes(std::vector<Axis>& axes, const Element& cylinder, const Mat
 
 std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const Element& a,
                               const Element& b) {
-  std::vector<Axis> axes;
+  if (a.vertices != nullptr && b.vertices != nullptr && (a.count > 3 || b.count > 3)) return {};
+  AxisList axes(now, a, b);
   if (a.vertices == nullptr || b.vertices == nullptr) {
     const RelativeMotion& motion = piece.motion;
     if (a.vertices == nullptr) {
@@ -184,34 +219,30 @@ std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const 
     if (b.vertices == nullptr) {
       addCylinderAxes(axes, b, now.rb, now.d, motion.omegaB(), a, now.ra, Vec3::Zero(), motion.omegaA());
     }
-    return axes;
+    return axes.take();
   }
-  if (a.count > 3 || b.count > 3) return axes;
   const RelativeMotion& m = piece.motion;
   Vec3 edges_a[3], edges_b[3];
   const int count_a = a.count == 3 ? 3 : a.count - 1, count_b = b.count == 3 ? 3 : b.count - 1;
   for (int i = 0; i < count_a; ++i) edges_a[i] = now.ra * (a.vertices[(i + 1) % a.count] - a.vertices[i]);
   for (int j = 0; j < count_b; ++j) edges_b[j] = now.rb * (b.vertices[(j + 1) % b.count] - b.vertices[j]);
-  const auto add = [&](const Vec3& n, const Vec3& n_rate, double scale) {
-    addBothWays(axes, n, n_rate, scale);
-  };
   if (count_a == 3) {
     const Vec3 n = edges_a[0].cross(edges_a[1]);
-    add(n, m.omegaA().cross(n), edges_a[0].norm() * edges_a[1].norm());
+    axes.add(n, m.omegaA().cross(n), edges_a[0].norm() * edges_a[1].norm());
   }
   if (count_b == 3) {
     const Vec3 n = edges_b[0].cross(edges_b[1]);
-    add(n, m.omegaB().cross(n), edges_b[0].norm() * edges_b[1].norm());
+    axes.add(n, m.omegaB().cross(n), edges_b[0].norm() * edges_b[1].norm());
   }
   for (int i = 0; i < count_a; ++i) {
     for (int j = 0; j < count_b; ++j) {
       const Vec3 n = edges_a[i].cross(edges_b[j]);
       const Vec3 n_rate =
           m.omegaA().cross(edges_a[i]).cross(edges_b[j]) + edges_a[i].cross(m.omegaB().cross(edges_b[j]));
-      add(n, n_rate, edges_a[i].norm() * edges_b[j].norm());
+      axes.add(n, n_rate, edges_a[i].norm() * edges_b[j].norm());
     }
   }
-  return axes;
+  return axes.take();
 }
 
 double apartFor(const GapModel& model, double span, double* gap_now) {

@@ -182,7 +182,7 @@ SupportPair Cores::support(const Vec3& direction) const {
   return s;
 }
 
-Closest closestPoints(const Cores& cores, const Vec3& guess) {
+Closest closestPoints(const Cores& cores, const Vec3& guess, double enough) {
   const Element &a = *cores.a.element, &b = *cores.b.element;
   if (a.vertices != nullptr && a.count == 1 && b.vertices == nullptr) return pointToCylinder(cores, true);
   if (b.vertices != nullptr && b.count == 1 && a.vertices == nullptr) return pointToCylinder(cores, false);
@@ -198,6 +198,7 @@ Closest closestPoints(const Cores& cores, const Vec3& guess) {
       c.overlap = true;
       return c;
     }
+    if (length2 <= enough * enough) return c;
     SupportPair next = cores.support(-c.v);
     if (length2 - c.v.dot(next.w) <= 1e-13 * length2) return c;
     for (int i = 0; i < c.count; ++i) {

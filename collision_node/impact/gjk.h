@@ -32,6 +32,11 @@ struct Cores {
 
   /// The pair that reaches farthest along `direction` in B - A.
   SupportPair support(const Vec3& direction) const;
+
+  /// How far B lies beyond A along n; |n| = 1 makes it a lower bound of the distance, to rounding [m].
+  double gapAlong(const Vec3& n) const {
+    return n.dot(b.place(b.supportLocal(-n))) - n.dot(a.place(a.supportLocal(n)));
+  }
 };
 
 struct Closest {
@@ -43,8 +48,9 @@ struct Closest {
   bool exact = false;     ///< from a closed form: v is right to rounding
 };
 
-/// Closest points of the cores. `guess` is a first direction, e.g. the last answer's v.
-Closest closestPoints(const Cores& cores, const Vec3& guess);
+/// Closest points of the cores. `guess` is a first direction, e.g. the last answer's v. Points that are as
+/// close as `enough` need not be the closest.
+Closest closestPoints(const Cores& cores, const Vec3& guess, double enough = 0.0);
 
 /// The largest distance of a point of the element's core from its object's origin, to rounding.
 double coreReach(const Element& element);

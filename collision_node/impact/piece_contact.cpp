@@ -90,6 +90,15 @@ void PieceRun::persist(double& t, ContactWitness& witness) {
                 b = pair_.b.element(witness.element_b, buffer_b);
   double step = end_ - t;
   Instant now = pair_.at(t);
+  const auto renew = [&](double from_depth) {
+    ContactWitness fresh;
+    fresh.shrunk = from_depth;
+    if (!touchesAt(pair_, now, a, b, closestPoints(Cores(now, a, b), Vec3::Zero()), fresh)) return;
+    fresh.element_a = witness.element_a;
+    fresh.element_b = witness.element_b;
+    witness = std::move(fresh);
+  };
+  if (witness.shrunk > 0.0) renew(std::numeric_limits<double>::infinity());
   while (t < end_ && !search_.exhausted()) {
     const double next = std::min(end_, t + step);
     const Instant later = pair_.at(next);
@@ -97,13 +106,7 @@ void PieceRun::persist(double& t, ContactWitness& witness) {
     if (next > t && touchesThrough(pair_, now, later, a, b, witness)) {
       t = next;
       now = later;
-      ContactWitness fresh;
-      if (touchesAt(pair_, now, a, b, closestPoints(Cores(now, a, b), Vec3::Zero()), fresh)) {
-        witness.closest = fresh.closest;
-        witness.wrap = std::move(fresh.wrap);
-        witness.rounded = fresh.rounded;
-        witness.point = fresh.point;
-      }
+      renew(witness.shrunk);
       step *= 2.0;
     } else {
       step *= 0.25;

@@ -40,7 +40,10 @@ double apartFrom(const PairPiece& piece, const Instant& now, const Element& a, c
   const double length = closest.v.norm();
   if (length > 0.0) propose({closest.v / length, Vec3::Zero(), true});
   if (best < 0.5 * plain || best == 0.0) {
-    for (const Axis& other : featureAxes(piece, now, a, b)) propose(other);
+    const Cores cores(now, a, b);
+    for (const Axis& other : featureAxes(piece, now, a, b)) {
+      if (cores.gapAlong(other.direction) > radius) propose(other);
+    }
   }
   return best;
 }
@@ -254,15 +257,19 @@ std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t l
 Proved Search::classifyElements(const Instant& now, const Element& a, const Element& b,
                                 ContactWitness& witness) const {
   const Closest closest = closestPoints(Cores(now, a, b), Vec3::Zero());
-  const bool rounded = a.radius + b.radius + piece_.contact_distance > 0.0;
-  if (apartFrom(piece_, now, a, b, closest, rounded, 1e-300) > 0.0) return Proved::kApart;
-  return touchesAt(piece_, now, a, b, closest, witness) ? Proved::kContact : Proved::kNothing;
+  const double radius = a.radius + b.radius + piece_.contact_distance;
+  // What is likelier is asked first: the two answers exclude each other.
+  const bool likely = closest.overlap || closest.v.norm() < radius;
+  if (likely && touchesAt(piece_, now, a, b, closest, witness)) return Proved::kContact;
+  if (apartFrom(piece_, now, a, b, closest, radius > 0.0, 1e-300) > 0.0) return Proved::kApart;
+  return !likely && touchesAt(piece_, now, a, b, closest, witness) ? Proved::kContact : Proved::kNothing;
 }
 
 Proved Search::classifyPair(double t, ElementPair pair, ContactWitness* witness) {
   ++node_tests_;
   Vec3 buffer_a[3], buffer_b[3];
   const Element a = piece_.a.element(pair.a, buffer_a), b = piece_.b.element(pair.b, buffer_b);
+  *witness = ContactWitness();
   const Proved proved = classifyElements(piece_.at(t), a, b, *witness);
   witness->element_a = pair.a;
   witness->element_b = pair.b;
@@ -286,6 +293,7 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
       if (a.triangle >= 0 && b.triangle >= 0 && search.test_.trianglesApart(slab, a, b, span))
         return kInfinity;
       ContactWitness w;
+      if (wanted > 1) w.shrunk = kInfinity;  // to be followed
       switch (search.classifyElements(now, a, b, w)) {
         case Proved::kApart:
           return kInfinity;
