@@ -8,6 +8,7 @@
 
 #include "collision_node/messages/convert.h"
 #include "collision_node/messages/deserialise.h"
+#include "collision_node/messages/name_states.h"
 
 namespace collision_node::messages {
 
@@ -18,59 +19,51 @@ using scene::PoseSource;
 
 const char* const kSupported =
     "geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped, PoseArray (with index), "
-    "nav_msgs/Odometry";
+    "nav_msgs/Odometry, gazebo_msgs/ModelStates (with model), LinkStates (with link)";
 
-StampedPose stamped(const std_msgs::Header& header, const geometry_msgs::Pose& pose,
-                    const std::string& world_frame) {
-  if (withoutSlash(header.frame_id) != withoutSlash(world_frame))
-    throw PoseError("header.frame_id is '" + header.frame_id + "', the scene's world_frame is '" +
-                    world_frame +
-                    "': poses must be given in world_frame (set it in the scene, or use pose: {tf: frame})");
-  StampedPose out;
-  out.stamp_ns = toNanoseconds(header.stamp);
-  out.pose = fromPose(pose);
+PoseReading stamped(const std_msgs::Header& header, const geometry_msgs::Pose& pose) {
+  PoseReading out;
+  out.frame = withoutSlash(header.frame_id);
+  out.pose.stamp_ns = toNanoseconds(header.stamp);
+  out.pose.pose = fromPose(pose);
   return out;
 }
 
-StampedPose read(const geometry_msgs::PoseStamped& m, const PoseSource&, const std::string& world_frame) {
-  return stamped(m.header, m.pose, world_frame);
+PoseReading read(const geometry_msgs::PoseStamped& m, const PoseSource&) { return stamped(m.header, m.pose); }
+
+PoseReading read(const geometry_msgs::PoseWithCovarianceStamped& m, const PoseSource&) {
+  return stamped(m.header, m.pose.pose);
 }
 
-StampedPose read(const geometry_msgs::PoseWithCovarianceStamped& m, const PoseSource&,
-                 const std::string& world_frame) {
-  return stamped(m.header, m.pose.pose, world_frame);
-}
-
-StampedPose read(const geometry_msgs::TransformStamped& m, const PoseSource&,
-                 const std::string& world_frame) {
+PoseReading read(const geometry_msgs::TransformStamped& m, const PoseSource&) {
   geometry_msgs::Pose pose;
   pose.position.x = m.transform.translation.x;
   pose.position.y = m.transform.translation.y;
   pose.position.z = m.transform.translation.z;
   pose.orientation = m.transform.rotation;
-  return stamped(m.header, pose, world_frame);
+  return stamped(m.header, pose);
 }
 
-StampedPose read(const nav_msgs::Odometry& m, const PoseSource&, const std::string& world_frame) {
-  StampedPose out = stamped(m.header, m.pose.pose, world_frame);
+PoseReading read(const nav_msgs::Odometry& m, const PoseSource&) {
+  PoseReading out = stamped(m.header, m.pose.pose);
+  StampedPose& pose = out.pose;
   const auto& twist = m.twist.twist;
   const Vec3 linear(twist.linear.x, twist.linear.y, twist.linear.z);
   const Vec3 angular(twist.angular.x, twist.angular.y, twist.angular.z);
-  const double length2 = out.pose.orientation.squaredNorm();
+  const double length2 = pose.pose.orientation.squaredNorm();
   if (!linear.allFinite() || !angular.allFinite() || !(length2 > 0.5 && length2 < 2.0)) return out;
-  const Quat turn = out.pose.orientation.normalized();  // a bad quaternion is refused later, with its pose
-  out.linear = turn * linear;
-  out.angular = turn * angular;
-  out.has_twist = true;
+  const Quat turn = pose.pose.orientation.normalized();  // a bad quaternion is refused later, with its pose
+  pose.linear = turn * linear;
+  pose.angular = turn * angular;
+  pose.has_twist = true;
   return out;
 }
 
-StampedPose read(const geometry_msgs::PoseArray& m, const PoseSource& source,
-                 const std::string& world_frame) {
+PoseReading read(const geometry_msgs::PoseArray& m, const PoseSource& source) {
   if (source.index < 0 || static_cast<std::size_t>(source.index) >= m.poses.size())
     throw PoseError("index " + std::to_string(source.index) + " is beyond a PoseArray of " +
                     std::to_string(m.poses.size()) + " poses");
-  return stamped(m.header, m.poses[static_cast<std::size_t>(source.index)], world_frame);
+  return stamped(m.header, m.poses[static_cast<std::size_t>(source.index)]);
 }
 
 /// Calls `visit` with a default message of the named type; false when the type is none of ours.
@@ -82,33 +75,65 @@ bool withType(const std::string& datatype, Visit&& visit) {
          visit(geometry_msgs::PoseArray(), datatype);
 }
 
+bool isGazebo(const std::string& datatype) { return datatype == kModelStates || datatype == kLinkStates; }
+
+void checkVersion(const std::string& datatype, const std::string& md5sum, const std::string& ours) {
+  if (md5sum != ours)
+    throw PoseError("type " + datatype + " has md5sum " + md5sum + ", this build knows " + ours +
+                    ": recorded or sent with another version of the message");
+}
+
+/// The keys beside the topic pick one of many; each goes with its own type.
+void checkSelection(const std::string& datatype, const PoseSource& source) {
+  const struct {
+    const char* key;
+    bool is_given;
+    std::string type;
+  } selections[] = {
+      {"index", source.index >= 0, ros::message_traits::datatype<geometry_msgs::PoseArray>()},
+      {"model", !source.model.empty(), kModelStates},
+      {"link", !source.link.empty(), kLinkStates},
+  };
+  for (const auto& selection : selections) {
+    if (datatype == selection.type && !selection.is_given)
+      throw PoseError("type " + datatype + " needs `" + selection.key + "` beside the topic in the scene");
+    if (datatype != selection.type && selection.is_given)
+      throw PoseError("the scene's `" + std::string(selection.key) + "` is meant for " + selection.type +
+                      ", the topic carries " + datatype);
+  }
+}
+
 }  // namespace
 
 void checkPoseType(const std::string& datatype, const std::string& md5sum, const PoseSource& source) {
   const bool known = withType(datatype, [&](auto message, const std::string& name) {
     using Message = decltype(message);
     if (name != ros::message_traits::datatype<Message>()) return false;
-    const std::string ours = ros::message_traits::md5sum<Message>();
-    if (md5sum != ours)
-      throw PoseError("type " + name + " has md5sum " + md5sum + ", this build knows " + ours +
-                      ": recorded or sent with another version of the message");
+    checkVersion(name, md5sum, ros::message_traits::md5sum<Message>());
     return true;
   });
-  if (!known)
+  if (!known && !isGazebo(datatype))
     throw PoseError("type " + datatype + " carries no pose that can be read; supported: " + kSupported);
-  if (datatype == ros::message_traits::datatype<geometry_msgs::PoseArray>() && source.index < 0)
-    throw PoseError("type geometry_msgs/PoseArray needs `index` beside the topic in the scene");
+  if (!known) checkVersion(datatype, md5sum, kGazeboStatesMd5);
+  checkSelection(datatype, source);
 }
 
-StampedPose readPose(const RawMessage& message, const PoseSource& source, const std::string& world_frame) {
+PoseReading readPose(const RawMessage& message, const PoseSource& source, motion::Nanoseconds received_ns) {
   checkPoseType(message.datatype, message.md5sum, source);
+  PoseReading out;
+  if (isGazebo(message.datatype)) {
+    out.in_world = true;
+    out.kind = StampKind::kGuessed;
+    out.pose = readGazeboState(message, message.datatype == kModelStates ? source.model : source.link);
+    out.pose.stamp_ns = received_ns;
+    return out;
+  }
   if (message.datatype == ros::message_traits::datatype<geometry_msgs::PoseArray>())
     checkArray(message, headerSize(message), ros::serialization::serializationLength(geometry_msgs::Pose()));
-  StampedPose out;
   withType(message.datatype, [&](auto empty, const std::string& name) {
     using Message = decltype(empty);
     if (name != ros::message_traits::datatype<Message>()) return false;
-    out = read(deserialise<Message>(message), source, world_frame);
+    out = read(deserialise<Message>(message), source);
     return true;
   });
   return out;

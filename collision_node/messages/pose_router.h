@@ -5,11 +5,13 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "collision_node/messages/pose_reader.h"
 #include "collision_node/messages/tf_tree.h"
+#include "collision_node/scene/engine.h"
 #include "collision_node/scene/scene.h"
 
 namespace collision_node::messages {
@@ -22,30 +24,44 @@ struct TopicFaults {
 };
 
 /// Takes raw messages by topic and hands poses to the engine. One caller at a time.
+///
+/// Poses in world_frame go straight on. What else drives an object becomes edges of one frame tree: /tf,
+/// poses in another frame (an edge from there to the object).
 class PoseRouter {
  public:
-  using Sink = std::function<void(int object, const motion::StampedPose& pose)>;
+  using Sink = TfTree::Sink;
   /// Topic as the scene has it -> name in the ROS graph or bag.
   using ResolveTopic = std::function<std::string(const std::string& topic)>;
 
-  /// Throws PoseError for sources that are not supported yet (gazebo model/link states, links: true).
+  /// Throws PoseError for a topic that is read otherwise (/tf).
   PoseRouter(std::shared_ptr<const scene::Scene> scene, const ResolveTopic& resolve, Sink sink);
   PoseRouter(const PoseRouter&) = delete;
   PoseRouter& operator=(const PoseRouter&) = delete;
 
-  /// Every topic to listen to, in byte order; /tf and /tf_static among them when an object is driven by tf.
+  /// Every topic to listen to, in byte order; /tf and /tf_static among them when something is driven by tf.
+  /// These two may join later, with the first message in a frame that is not world_frame.
   const std::vector<std::string>& topics() const { return topics_; }
   bool usesTf() const { return uses_tf_; }
 
-  /// Throws PoseError, with topic and type, when messages of this type cannot be used on `topic`.
-  void checkType(const std::string& topic, const std::string& datatype, const std::string& md5sum) const;
+  /// Throws PoseError, with topic and type, when messages of this type cannot be used on `topic`, or when the
+  /// topic had another type before.
+  void checkType(const std::string& topic, const std::string& datatype, const std::string& md5sum);
+  /// Learns from a topic's first message in which frame its poses come; says nothing of what is wrong with
+  /// it.
+  void learnFrame(const std::string& topic, const RawMessage& message);
 
   /// Topic of an object that is driven by one, as resolved; "" for others.
   const std::string& topicOf(int object) const { return topic_of_[static_cast<std::size_t>(object)]; }
 
-  /// Hands every pose in the message to the sink. Throws PoseError with topic and object after all that can
-  /// be used has been used, and counts the message as refused.
-  void handle(const std::string& topic, const RawMessage& message);
+  /// Hands every pose in the message to the sink. `received_ns`: for types that have no stamp. Throws
+  /// PoseError with topic and object after all that can be used has been used, and counts the message as
+  /// refused.
+  void handle(const std::string& topic, const RawMessage& message, motion::Nanoseconds received_ns);
+
+  /// The end: hands out what still waits for more. More may follow.
+  void flush();
+  /// /clock went back. To be called before the engine is told.
+  void clockWentBack();
 
   const TfTree& tf() const { return tf_; }
 
@@ -55,18 +71,38 @@ class PoseRouter {
   std::uint64_t refused() const;
 
  private:
-  void deliver(const std::string& topic, int object, const motion::StampedPose& pose);
-  void handlePoses(const std::string& topic, const RawMessage& message);
+  struct Target {  // of the poses on a topic
+    int object = -1;
+    std::string name;
+    scene::PoseSource source;
+    std::string child;                 // its frame in the tree
+    std::optional<std::string> frame;  // of its first message
+  };
+  struct TopicType {
+    std::string datatype, md5sum;
+  };
+
+  void listen(const std::string& topic, Target target);
+  void addTopic(const std::string& topic);
+  void useTf();
+  void deliver(const std::string& topic, int object, const motion::StampedPose& pose, StampKind kind);
+  void takeFrame(const std::string& topic, Target& target, const PoseReading& reading);
+  void handlePoses(const std::string& topic, const RawMessage& message, motion::Nanoseconds received_ns);
   void handleTf(const std::string& topic, const RawMessage& message);
 
   std::shared_ptr<const scene::Scene> scene_;
+  std::string world_frame_;
   Sink sink_;
   TfTree tf_;
   bool uses_tf_ = false;
   std::vector<std::string> topics_;
   std::vector<std::string> topic_of_;  // by object
   std::map<std::string, TopicFaults> faults_;
-  std::map<std::string, std::vector<int>> objects_of_;
+  std::map<std::string, TopicType> types_;
+  std::map<std::string, std::vector<Target>> targets_;  // by topic
 };
+
+/// What a router's sink does with a pose: hands it to the engine as what it is.
+void handToEngine(scene::Engine& engine, int object, const motion::StampedPose& pose, StampKind kind);
 
 }  // namespace collision_node::messages

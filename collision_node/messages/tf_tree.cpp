@@ -6,12 +6,14 @@
 
 namespace collision_node::messages {
 
-TfTree::TfTree(std::string world_frame, Sink sink) : world_(std::move(world_frame)), sink_(std::move(sink)) {}
+TfTree::TfTree(std::string world_frame, const scene::TimeOptions& time, Sink sink)
+    : world_(std::move(world_frame)), time_(time), sink_(std::move(sink)) {}
 
-void TfTree::follow(int object, const std::string& frame) {
+void TfTree::follow(int object, const std::string& frame, const std::string& label) {
   Follower follower;
   follower.object = object;
   follower.frame = frame;
+  follower.label = label;
   followers_.push_back(std::move(follower));
 }
 
@@ -55,20 +57,57 @@ bool TfTree::resolve(Follower& follower) const {
   follower.down.assign(from_frame.begin(), from_frame.begin() + static_cast<std::ptrdiff_t>(common_f));
   std::reverse(follower.down.begin(), follower.down.end());
 
-  std::vector<std::string> moving;
-  for (const auto* part : {&follower.up, &follower.down})
-    for (const auto& child : *part)
-      if (!edges_.at(child).is_static) moving.push_back(child);
-  if (moving.empty())
-    throw TfError("tf frame '" + follower.frame + "' never moves in '" + world_ +
-                  "' (static transforms only): use pose: {fixed: ...}");
-  if (moving.size() > 1)
-    throw TfError("tf frame '" + follower.frame + "' hangs on " + std::to_string(moving.size()) +
-                  " moving transforms ('" + edges_.at(moving[0]).parent + "' to '" + moving[0] + "', '" +
-                  edges_.at(moving[1]).parent + "' to '" + moving[1] + "'): only one is supported so far");
-  follower.moving = moving.front();
+  prepare(follower);
   follower.resolved = true;
   return true;
+}
+
+/// Decides how a frame whose chain is known is followed.
+void TfTree::prepare(Follower& follower) const {
+  std::vector<scene::ComposedPath::Part> parts;
+  follower.before = {};
+  follower.is_bare = true;
+  bool is_plain = true;  // nothing moving before the part, nor is it inverted
+  for (const auto* side : {&follower.up, &follower.down}) {
+    for (const auto& child : *side) {
+      const Edge& edge = edges_.at(child);
+      scene::ComposedPath::Part part;
+      part.inverse = side == &follower.up;
+      part.pose = edge.pose;
+      if (edge.is_static) {
+        const Pose step = part.inverse ? edge.pose.inverse() : edge.pose;
+        if (follower.moving.empty()) follower.before = follower.is_bare ? step : follower.before * step;
+        if (follower.moving.empty()) follower.is_bare = false;
+      } else {
+        is_plain = follower.moving.empty() && !part.inverse;
+        part.edge = static_cast<int>(follower.moving.size());
+        follower.moving.emplace(child, part.edge);
+      }
+      parts.push_back(part);
+    }
+  }
+  if (follower.moving.empty() || (is_plain && parts.back().edge >= 0)) return;
+  const int object = follower.object;
+  follower.path = std::make_unique<scene::ComposedPath>(
+      std::move(parts), static_cast<int>(follower.moving.size()), time_,
+      [this, object](const motion::StampedPose& pose, bool guessed) {
+        sink_(object, pose, guessed ? StampKind::kGuessed : StampKind::kSent);
+      });
+}
+
+/// What its edges have kept, in the order of arrival.
+void TfTree::handOutKept(const Follower& follower) const {
+  if (follower.moving.empty()) {
+    motion::StampedPose pose;
+    pose.pose = follower.before;
+    sink_(follower.object, pose, StampKind::kAlways);
+    return;
+  }
+  std::map<std::uint64_t, std::pair<const std::string*, const Sample*>> in_order;
+  for (const auto& moving : follower.moving)
+    for (const Sample& sample : edges_.at(moving.first).kept)
+      in_order[sample.arrival] = {&moving.first, &sample};
+  for (const auto& entry : in_order) emit(follower, *entry.second.first, *entry.second.second);
 }
 
 void TfTree::resolveAll() {
@@ -77,8 +116,7 @@ void TfTree::resolveAll() {
   for (auto& follower : followers_) {
     if (follower.resolved) continue;
     try {
-      if (resolve(follower))
-        for (const auto& sample : edges_.at(follower.moving).kept) emit(follower, sample);
+      if (resolve(follower)) handOutKept(follower);
     } catch (const TfError& error) {
       if (fault.empty()) fault = error.what();
     }
@@ -89,33 +127,31 @@ void TfTree::resolveAll() {
   if (!fault.empty()) throw TfError(fault);
 }
 
-void TfTree::emit(const Follower& follower, const Sample& sample) const {
-  motion::StampedPose out;
-  out.stamp_ns = sample.stamp_ns;
-  out.pose = sample.pose;
-  if (motion::checkAndNormalise(out) != motion::PoseFault::kNone) {
-    out.pose = sample.pose;
-    sink_(follower.object, out);
-    return;
-  }
-  const Pose moving = out.pose;
+void TfTree::emit(const Follower& follower, const std::string& child, const Sample& sample) const {
+  motion::StampedPose out = sample.pose;
+  const bool is_good = motion::checkAndNormalise(out) == motion::PoseFault::kNone;
   // A single edge keeps its numbers: composing with an identity would round them.
-  if (!(follower.up.empty() && follower.down.size() == 1)) {
-    Pose pose;
-    for (const auto& child : follower.up)
-      pose = pose * (child == follower.moving ? moving : edges_.at(child).pose).inverse();
-    for (const auto& child : follower.down)
-      pose = pose * (child == follower.moving ? moving : edges_.at(child).pose);
-    out.pose = pose;
+  if (!is_good || (!follower.path && follower.is_bare)) {
+    sink_(follower.object, sample.pose, sample.kind);
+  } else if (follower.path) {
+    follower.path->add(follower.moving.at(child), out, sample.kind == StampKind::kGuessed);
   } else {
-    out.pose = sample.pose;
+    out.pose = follower.before * out.pose;
+    out.linear = follower.before.orientation * out.linear;
+    out.angular = follower.before.orientation * out.angular;
+    sink_(follower.object, out, sample.kind);
   }
-  sink_(follower.object, out);
 }
 
-void TfTree::add(const std::string& parent, const std::string& child, Nanoseconds stamp_ns, const Pose& pose,
-                 bool is_static) {
+void TfTree::announce(const std::string& parent, const std::string& child) {
+  edges_[child].parent = parent;
+  resolveAll();
+}
+
+void TfTree::add(const std::string& parent, const std::string& child, const motion::StampedPose& pose,
+                 StampKind kind) {
   if (followers_.empty()) return;
+  const bool is_static = kind == StampKind::kAlways;
   const auto found = edges_.find(child);
   if (parent == child) {
     refuse(child, "tf frame '" + child + "' is its own parent");
@@ -125,10 +161,20 @@ void TfTree::add(const std::string& parent, const std::string& child, Nanosecond
   } else if (found != edges_.end() && found->second.is_static != is_static) {
     refuse(child, "tf frame '" + child + "' is sent both on /tf and on /tf_static");
   } else if (is_static) {
-    addStatic(parent, child, pose);
+    addStatic(parent, child, pose.pose);
   } else {
-    addMoving(parent, child, {stamp_ns, pose});
+    addMoving(parent, child, {++arrivals_, pose, kind});
   }
+}
+
+void TfTree::flush() {
+  for (const auto& follower : followers_)
+    if (follower.path) follower.path->flush();
+}
+
+void TfTree::clockWentBack() {
+  for (const auto& follower : followers_)
+    if (follower.path) follower.path->clockWentBack();
 }
 
 /// Keeps the fault at the edge above `child`; throws it when a followed chain runs through there.
@@ -169,8 +215,8 @@ void TfTree::addMoving(const std::string& parent, const std::string& child, cons
   for (const auto& follower : followers_) {
     if (!follower.resolved)
       waiting = true;
-    else if (follower.moving == child)
-      emit(follower, sample);
+    else if (follower.moving.count(child) != 0)
+      emit(follower, child, sample);
   }
   if (!waiting) return;
   if (edge.kept.size() == kKept) edge.kept.pop_front();
@@ -182,7 +228,7 @@ void TfTree::addMoving(const std::string& parent, const std::string& child, cons
 std::vector<std::string> TfTree::unresolved() const {
   std::vector<std::string> out;
   for (const auto& follower : followers_)
-    if (!follower.resolved) out.push_back(follower.frame);
+    if (!follower.resolved) out.push_back(follower.label);
   return out;
 }
 

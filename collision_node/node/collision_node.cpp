@@ -55,7 +55,12 @@ CollisionNode::~CollisionNode() {
   // What has arrived but was not looked at yet belongs to the past that shutdown decides.
   queue_.callAvailable();
   subscribers_.clear();
-  if (engine_) engine_->flush();
+  if (engine_) flush();
+}
+
+void CollisionNode::flush() {
+  router_->flush();
+  engine_->flush();
 }
 
 std::shared_ptr<const scene::Scene> CollisionNode::load(const Parameters& parameters) const {
@@ -85,11 +90,14 @@ void CollisionNode::start(const Parameters& parameters, std::shared_ptr<const sc
   // All three are built before any is replaced: a scene that one of them refuses leaves the old one at work.
   auto router = std::make_unique<messages::PoseRouter>(
       scene, [this](const std::string& topic) { return handle_.resolveName(topic); },
-      [this](int object, const motion::StampedPose& pose) { engine_->addPose(object, pose); });
+      [this](int object, const motion::StampedPose& pose, messages::StampKind kind) {
+        messages::handToEngine(*engine_, object, pose, kind);
+      });
   auto engine = std::make_unique<scene::Engine>(scene, parameters.method, sinks);
   auto markers = std::make_unique<messages::Markers>(scene, parameters.markers);
 
   subscribers_.clear();
+  subscribed_.clear();
   scene_ = std::move(scene);
   router_ = std::move(router);
   engine_ = std::move(engine);
@@ -103,6 +111,7 @@ void CollisionNode::start(const Parameters& parameters, std::shared_ptr<const sc
 
 void CollisionNode::subscribe() {
   for (const auto& topic : router_->topics()) {
+    if (!subscribed_.insert(topic).second) continue;
     ros::SubscribeOptions options;
     options.initByFullCallbackType<const ros::MessageEvent<Raw const>&>(
         topic, kInputQueue,
@@ -125,10 +134,11 @@ void CollisionNode::onMessage(const std::string& topic, const ros::MessageEvent<
   raw.size = static_cast<std::uint32_t>(bytes_.size());
   gaps_.see(topic, event.getPublisherName(), raw);
   try {
-    router_->handle(topic, raw);
+    router_->handle(topic, raw, messages::toNanoseconds(event.getReceiptTime()));
   } catch (const messages::PoseError& error) {
     ROS_ERROR_STREAM_THROTTLE(5.0, error.what());  // counted by the router
   }
+  subscribe();  // poses in another frame ask for tf
 }
 
 void CollisionNode::watchClock() {
@@ -136,7 +146,9 @@ void CollisionNode::watchClock() {
   const ros::Time now = ros::Time::now();
   const bool went_back = now < last_clock_;
   last_clock_ = now;
-  if (went_back) engine_->clockWentBack();
+  if (!went_back) return;
+  router_->clockWentBack();
+  engine_->clockWentBack();
 }
 
 void CollisionNode::onEvent(scene::Event event) {
@@ -178,6 +190,8 @@ void CollisionNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
   health.stats = withMessages(engine_->stats());
   health.faults = router_->faults();
   health.lost = gaps_.lostByTopic();
+  for (const auto& frame : router_->tf().unresolved())
+    health.unconnected.push_back("'" + frame + "' to world_frame '" + scene_->world_frame + "'");
   for (const auto& subscriber : subscribers_)
     if (subscriber.getTopic() != "/tf_static" && subscriber.getNumPublishers() == 0)
       health.without_publisher.push_back(subscriber.getTopic());
@@ -189,13 +203,14 @@ void CollisionNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
 }
 
 bool CollisionNode::onFlush(Trigger::Request&, Trigger::Response& response) {
-  engine_->flush();
+  flush();
   response.success = 1;
   response.message = std::to_string(events_) + " events";
   return true;
 }
 
 bool CollisionNode::onReset(Trigger::Request&, Trigger::Response& response) {
+  router_->flush();
   engine_->reset();
   if (markers_out_.getNumSubscribers() > 0) onMarkerSubscriber();
   response.success = 1;
@@ -207,6 +222,7 @@ bool CollisionNode::onReload(Trigger::Request&, Trigger::Response& response) {
   try {
     const Parameters parameters = readParameters(private_handle_);
     const auto scene = load(parameters);
+    router_->flush();
     engine_->reset();  // the new scene knows nothing of the contacts that are open: they end here
     const std::uint32_t last_epoch = epoch_;
     start(parameters, scene);

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,7 @@ class CollisionNode {
   std::shared_ptr<const scene::Scene> load(const Parameters& parameters) const;
   void start(const Parameters& parameters, std::shared_ptr<const scene::Scene> scene);
   void subscribe();
+  void flush();
   void onMessage(const std::string& topic, const ros::MessageEvent<Raw const>& event);
   void watchClock();
   void onEvent(scene::Event event);
@@ -57,6 +59,7 @@ class CollisionNode {
   ros::Publisher impacts_, stats_, markers_out_, plan_, diagnostics_;
   std::vector<ros::ServiceServer> services_;
   std::vector<ros::Subscriber> subscribers_;
+  std::set<std::string> subscribed_;  // topics
   ros::WallTimer diagnostics_timer_;
 
   std::shared_ptr<const scene::Scene> scene_;

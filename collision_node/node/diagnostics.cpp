@@ -29,6 +29,7 @@ void judge(const Health& health, Status& status) {
       health.without_publisher.empty() ? "" : "nobody publishes " + list(health.without_publisher);
   if (stats.accepted == 0 && !stats.has_watermark)
     raise(Status::WARN, "no pose has arrived yet" + (silent.empty() ? "" : ": " + silent));
+  if (!health.unconnected.empty()) raise(Status::WARN, "tf does not connect " + health.unconnected.front());
   if (!stats.uncovered_objects.empty()) raise(Status::WARN, "no poses of " + stats.uncovered_objects.front());
   if (!silent.empty()) raise(Status::WARN, silent);
   if (stats.rejected > 0) raise(Status::WARN, "poses rejected: not finite, or no unit quaternion");
@@ -63,6 +64,7 @@ Status diagnose(const Health& health) {
   add("rejected", std::to_string(stats.rejected));
   add("lost", std::to_string(stats.lost));
   for (const auto& name : stats.uncovered_objects) add("uncovered", name);
+  for (const auto& frames : health.unconnected) add("not connected", frames);
   for (const auto& topic : health.without_publisher) add("without publisher", topic);
   for (const auto& [topic, count] : health.lost) add("lost on " + topic, std::to_string(count));
   for (const auto& [topic, faults] : health.faults) {

@@ -22,11 +22,12 @@ struct Health {
   std::map<std::string, messages::TopicFaults> faults;  ///< by topic
   std::map<std::string, std::uint64_t> lost;            ///< messages that never came, by topic
   std::vector<std::string> without_publisher;           ///< subscribed topics that nobody publishes
+  std::vector<std::string> unconnected;  ///< "'frame' to world_frame 'world'": tf has not said how
 };
 
-/// ERROR: messages that cannot be used. WARN: no pose has arrived at all, a topic without publisher, an
-/// object that is silent, poses rejected or late, messages lost. OK: watching. The message names the first of
-/// them in that order.
+/// ERROR: messages that cannot be used. WARN: no pose has arrived at all, a topic without publisher, a
+/// frame that tf does not connect, an object that is silent, poses rejected or late, messages lost. OK:
+/// watching. The message names the first of them in that order.
 diagnostic_msgs::DiagnosticStatus diagnose(const Health& health);
 
 }  // namespace collision_node::node

@@ -42,6 +42,7 @@ std::unique_ptr<rosbag::Bag> openBag(const std::string& file) {
   }
 }
 
+const char* const kTf = "/tf";
 const char* const kTfStatic = "/tf_static";
 
 /// A length that no pose message has. rosbag trusts the length it reads from a damaged bag.
@@ -55,6 +56,15 @@ void fillBytes(const rosbag::MessageInstance& message, std::vector<std::uint8_t>
   bytes.resize(message.size());
   ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   message.write(stream);
+}
+
+void fill(const rosbag::MessageInstance& message, std::vector<std::uint8_t>& bytes,
+          messages::RawMessage& raw) {
+  fillBytes(message, bytes);
+  raw.datatype = message.getDataType();
+  raw.md5sum = message.getMD5Sum();
+  raw.data = bytes.data();
+  raw.size = static_cast<std::uint32_t>(bytes.size());
 }
 
 std::string list(const std::vector<std::string>& items) {
@@ -84,7 +94,8 @@ BagInput::BagInput(const std::vector<std::string>& files) : files_(files) {
   end_ = all.getEndTime();
 }
 
-void BagInput::check(const messages::PoseRouter& router, const scene::Scene& scene) const {
+void BagInput::check(messages::PoseRouter& router, const scene::Scene& scene,
+                     const messages::PoseRouter::ResolveTopic& resolve) const {
   rosbag::View all;
   for (const auto& bag : bags_) all.addQuery(*bag);
   std::map<std::string, const rosbag::ConnectionInfo*> present;
@@ -106,18 +117,38 @@ void BagInput::check(const messages::PoseRouter& router, const scene::Scene& sce
     fault(list(files_) + ": lacks " + list(missing) + ", which the scene " + scene.file + " names; it has " +
           list(held));
   if (!faults.empty()) throw InputError(faults);
-  if (router.usesTf()) checkTf(scene);
+  learnFrames(router);
+  if (router.usesTf()) checkTf(scene, resolve);
 }
 
-void BagInput::checkTf(const scene::Scene& scene) const {
-  messages::PoseRouter probe(
-      std::make_shared<scene::Scene>(scene), [](const std::string& topic) { return topic; },
-      [](int, const motion::StampedPose&) {});
+/// Whether tf is needed, and must be read from its beginning, stands in the first message of each topic.
+void BagInput::learnFrames(messages::PoseRouter& router) const {
+  const std::vector<std::string> topics = router.topics();  // a copy: tf may join
+  for (const auto& topic : topics) {
+    if (topic == kTf || topic == kTfStatic) continue;
+    try {
+      rosbag::View view;
+      for (const auto& bag : bags_) view.addQuery(*bag, rosbag::TopicQuery(topic));
+      if (view.size() == 0) continue;
+      std::vector<std::uint8_t> bytes;
+      messages::RawMessage raw;
+      fill(*view.begin(), bytes, raw);
+      router.learnFrame(topic, raw);
+    } catch (const std::exception&) {
+      // Damage is met again, and told, when the poses are read.
+    }
+  }
+}
+
+void BagInput::checkTf(const scene::Scene& scene, const messages::PoseRouter::ResolveTopic& resolve) const {
+  messages::PoseRouter probe(std::make_shared<scene::Scene>(scene), resolve,
+                             [](int, const motion::StampedPose&, messages::StampKind) {});
+  learnFrames(probe);
   // Damage and messages that cannot be used are met again, and told, when the poses are read.
   std::string fault;
-  forEach({"/tf", kTfStatic}, {}, {}, [&](const rosbag::MessageInstance& m, const messages::RawMessage& raw) {
+  forEach({kTf, kTfStatic}, {}, {}, [&](const rosbag::MessageInstance& m, const messages::RawMessage& raw) {
     try {
-      probe.handle(m.getTopic(), raw);
+      probe.handle(m.getTopic(), raw, 0);
     } catch (const messages::PoseError& error) {
       if (fault.empty()) fault = error.what();
     }
@@ -169,18 +200,14 @@ BagInput::Summary BagInput::forEach(
     }
     message = view.begin();
   };
-  const auto fill = [&] {
+  const auto take = [&] {
     if (damaged_from_ns_ && messages::toNanoseconds(message->getTime()) >= *damaged_from_ns_)
       throw std::length_error("a message is longer than its chunk");
-    fillBytes(*message, bytes);
-    raw.datatype = message->getDataType();
-    raw.md5sum = message->getMD5Sum();
-    raw.data = bytes.data();
-    raw.size = static_cast<std::uint32_t>(bytes.size());
+    fill(*message, bytes, raw);
   };
   if (!read(open)) return summary;
   while (message != view.end()) {
-    if (!read(fill)) break;
+    if (!read(take)) break;
     visit(*message, raw);
     last = message->getTime();
     ++summary.messages;

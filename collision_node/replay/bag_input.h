@@ -23,9 +23,10 @@ class BagInput {
   explicit BagInput(const std::vector<std::string>& files);
 
   /// Throws InputError when a topic of the scene is in no bag (lists what they hold), carries another type
-  /// than a pose, or tf never says where a frame of the scene is in the world. Reads all of /tf when the
-  /// scene uses it.
-  void check(const messages::PoseRouter& router, const scene::Scene& scene) const;
+  /// than a pose or two types, or tf never says where a frame of the scene or of its topics is in the world.
+  /// Shows the router each topic's first message; reads all of /tf when the scene uses it.
+  void check(messages::PoseRouter& router, const scene::Scene& scene,
+             const messages::PoseRouter::ResolveTopic& resolve) const;
 
   struct Summary {
     std::uint64_t messages = 0;
@@ -44,7 +45,8 @@ class BagInput {
   ros::Time at(double seconds) const;  ///< begin() and so many seconds
 
  private:
-  void checkTf(const scene::Scene& scene) const;
+  void learnFrames(messages::PoseRouter& router) const;
+  void checkTf(const scene::Scene& scene, const messages::PoseRouter::ResolveTopic& resolve) const;
 
   std::vector<std::string> files_;
   std::vector<std::unique_ptr<rosbag::Bag>> bags_;

@@ -52,14 +52,13 @@ class Run {
         err_(err),
         input_(options.bags),
         heard_(scene_->objects.size(), false),
-        router_(
-            scene_, [&](const std::string& topic) { return resolveTopic(options_.name_space, topic); },
-            [this](int object, const motion::StampedPose& pose) {
-              outputs_->poseSeen(now_, pose.stamp_ns);
-              heard_[static_cast<std::size_t>(object)] = true;
-              engine_->addPose(object, pose);
-            }) {
-    input_.check(router_, *scene_);
+        router_(scene_, resolver(),
+                [this](int object, const motion::StampedPose& pose, messages::StampKind kind) {
+                  if (kind != messages::StampKind::kAlways) outputs_->poseSeen(now_, pose.stamp_ns);
+                  heard_[static_cast<std::size_t>(object)] = true;
+                  messages::handToEngine(*engine_, object, pose, kind);
+                }) {
+    input_.check(router_, *scene_, resolver());
     outputs_ = std::make_unique<Outputs>(options, scene_, out);
     scene::Engine::Sinks sinks;
     sinks.event = [this](const scene::Event& event) {
@@ -82,11 +81,12 @@ class Run {
                          outputs_->input(m);
                          gaps_.see(m.getTopic(), m.getCallerId(), raw);
                          try {
-                           router_.handle(m.getTopic(), raw);
+                           router_.handle(m.getTopic(), raw, messages::toNanoseconds(m.getTime()));
                          } catch (const messages::PoseError&) {
                            // Counted by the router and told at the end; the rest of the bag is good.
                          }
                        });
+    router_.flush();
     engine_->flush();
     progress.finish();
     checkRefusals();
@@ -106,6 +106,10 @@ class Run {
   }
 
  private:
+  messages::PoseRouter::ResolveTopic resolver() const {
+    return [this](const std::string& topic) { return resolveTopic(options_.name_space, topic); };
+  }
+
   std::string silentObjects() const {
     std::string out;
     for (std::size_t i = 0; i < heard_.size(); ++i)

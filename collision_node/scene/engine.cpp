@@ -32,6 +32,7 @@ class Engine::Impl {
   Impl(std::shared_ptr<const Scene> scene, const MethodFactory& make_method, Sinks sinks);
 
   void addPose(int object, const motion::StampedPose& pose, bool guessed_stamp);
+  void fix(int object, const Pose& pose);
   void clockWentBack();
   void flush();
   void reset();
@@ -136,6 +137,16 @@ void Engine::Impl::addPose(int object, const motion::StampedPose& pose, bool gue
   if (time_line_.tracks()[object].isFixed())
     throw std::invalid_argument("pose for object " + scene_->objects[object].name + ", whose pose is fixed");
   time_line_.add(object, pose, guessed_stamp);
+  catchUp();
+}
+
+void Engine::Impl::fix(int object, const Pose& pose) {
+  if (!time_line_.fix(object, pose)) return;
+  const std::vector<Track>& tracks = time_line_.tracks();
+  for (const int index : pairs_of_track_[object]) {
+    ObjectPair& pair = object_pairs_[index];
+    pair.is_static = tracks[pair.a].isFixed() && tracks[pair.b].isFixed();
+  }
   catchUp();
 }
 
@@ -391,6 +402,7 @@ Engine::~Engine() = default;
 void Engine::addPose(int object, motion::StampedPose pose, bool guessed_stamp) {
   impl_->addPose(object, pose, guessed_stamp);
 }
+void Engine::fix(int object, const Pose& pose) { impl_->fix(object, pose); }
 void Engine::clockWentBack() { impl_->clockWentBack(); }
 void Engine::flush() { impl_->flush(); }
 void Engine::reset() { impl_->reset(); }

@@ -97,6 +97,10 @@ class Engine {
   /// is no such object or it has a fixed pose.
   void addPose(int object, motion::StampedPose pose, bool guessed_stamp = false);
 
+  /// `object` stands at `pose` for all time, as its source has come to say. An object that has sent poses, or
+  /// is fixed already, is left as it is.
+  void fix(int object, const Pose& pose);
+
   /// /clock went back: every track's next pose starts a new epoch.
   void clockWentBack();
 

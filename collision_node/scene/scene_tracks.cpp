@@ -16,12 +16,6 @@ void check(const Scene& scene) {
   if (!(scene.stats_period > 0.0))
     throw std::invalid_argument(scene.file + ": stats/period is " + std::to_string(scene.stats_period) +
                                 " s; it must be positive");
-  for (const Object& object : scene.objects)
-    if (object.links_move)
-      throw std::invalid_argument(
-          scene.file + ": objects/" + object.name +
-          "/pose/links: links that move by themselves are not supported; name each moving "
-          "link as an object of its own");
 }
 
 Track makeTrack(const Object& object, const TimeOptions& time) {

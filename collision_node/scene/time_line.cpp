@@ -20,6 +20,18 @@ void TimeLine::add(int track, const motion::StampedPose& pose, bool guessed) {
   updateWatermark();
 }
 
+bool TimeLine::fix(int track, const Pose& pose) {
+  const Track::Status status = tracks_[track].status();
+  if (status != Track::Status::kWaiting && status != Track::Status::kUncovered) return false;
+  tracks_[track] = Track(pose);
+  tracks_[track].beginEpoch(epoch_);
+  if (watermark_) tracks_[track].joinAt(*watermark_);
+  note(track);
+  checkTimeouts();
+  updateWatermark();
+  return true;
+}
+
 void TimeLine::clockWentBack() {
   const bool has_poses = std::any_of(tracks_.begin(), tracks_.end(), [](const Track& track) {
     return track.status() == Track::Status::kLive || track.lastReleased();

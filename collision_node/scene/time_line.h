@@ -21,6 +21,9 @@ class TimeLine {
   // ---- in
 
   void add(int track, const motion::StampedPose& pose, bool guessed);
+  /// The track stands at `pose` from ever to ever, though in this epoch it joins at the watermark. False, and
+  /// nothing done, when it has poses or is fixed already.
+  bool fix(int track, const Pose& pose);
   void clockWentBack();
   /// The end: releases everything delivered and waits for nobody. More poses may follow.
   void releaseAll();

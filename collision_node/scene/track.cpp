@@ -139,8 +139,10 @@ void Track::release(const Arrival& arrival) {
       sample.segment = makeSegment(options_.motion, before.pose, arrival.pose, options_.bounds);
       if (options_.poses_are_composed && options_.bounds.areAsked())
         sample.segment.error = motion::unknownError();
+      const bool unknown = arrival.pose.begins_anew;
       const bool teleport = isTeleport(options_, before.pose, arrival.pose, sample.segment.motion);
-      sample.join = teleport ? Join::kGap : Join::kJoined;
+      sample.join = teleport || unknown ? Join::kGap : Join::kJoined;
+      if (arrival.pose.may_alias) sample.segment.doubt = impact::Reason::kAlias;
       if (before.guessed || arrival.guessed) sample.segment.doubt = impact::Reason::kStampGuessed;
     }
     if (sample.join == Join::kGap) noteHole(impact::Reason::kGap);
@@ -225,6 +227,7 @@ void Track::beginEpoch(std::uint32_t epoch) {
   scene_epoch_ = epoch;
   closed_ns_.reset();
   given_up_ = false;
+  fixed_from_ns_ = std::numeric_limits<Nanoseconds>::min();
   if (fixed_) return;
   while (!samples_.empty() && samples_.front().epoch < epoch) {
     samples_.pop_front();
@@ -288,7 +291,7 @@ bool Track::has(std::size_t index) const {
 }
 
 Nanoseconds Track::stamp(std::size_t index) const {
-  return fixed_ ? std::numeric_limits<Nanoseconds>::min() : sample(index).pose.stamp_ns;
+  return fixed_ ? fixed_from_ns_ : sample(index).pose.stamp_ns;
 }
 
 Reach Track::reach(std::size_t index) const {

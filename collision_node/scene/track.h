@@ -85,6 +85,8 @@ class Track {
   void releaseAll();
   /// The source went silent: releases everything and ends the run there, or freezes the object.
   void timeOut();
+  /// A fixed track that has come late says nothing of this epoch before `ns`.
+  void joinAt(Nanoseconds ns) { fixed_from_ns_ = ns; }
   void giveUpWaiting() { given_up_ = true; }
   /// The next pose begins `epoch`, however its stamp compares. Ignored by a track that has just gone back by
   /// itself.
@@ -123,7 +125,7 @@ class Track {
   std::size_t firstIndex() const { return base_; }
   std::size_t keptSamples() const { return samples_.size(); }
   bool has(std::size_t index) const;
-  /// A fixed track's stamp is the smallest there is.
+  /// A fixed track's stamp is the smallest there is, unless it joined late.
   Nanoseconds stamp(std::size_t index) const;
   const Sample& sample(std::size_t index) const { return samples_[index - base_]; }
   Reach reach(std::size_t index) const;
@@ -152,6 +154,7 @@ class Track {
 
   TrackOptions options_;
   bool fixed_ = false;
+  Nanoseconds fixed_from_ns_ = std::numeric_limits<Nanoseconds>::min();
   std::uint32_t epoch_ = 0, scene_epoch_ = 0;
   std::map<Nanoseconds, Arrival> pending_;     ///< delivered, not released, of epoch_
   std::optional<Nanoseconds> last_released_;   ///< in epoch_

@@ -1,7 +1,7 @@
 /// Every bad input: code 2, one clear line, no file. The executable itself, too.
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <nav_msgs/Path.h>
+#include <nav_msgs/GridCells.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <tf2_msgs/TFMessage.h>
@@ -191,17 +191,17 @@ TEST_F(BadInput, topicThatTheBagLacks) {
 
 TEST_F(BadInput, wrongTypeOnATopic) {
   {
-    rosbag::Bag bag(path("path.bag"), rosbag::bagmode::Write);
-    bag.write("/ball/pose", ros::Time(1), nav_msgs::Path());
+    rosbag::Bag bag(path("cells.bag"), rosbag::bagmode::Write);
+    bag.write("/ball/pose", ros::Time(1), nav_msgs::GridCells());
   }
-  expectLine({scene_, path("path.bag")}, {"/ball/pose", "'ball'", "nav_msgs/Path"});
+  expectLine({scene_, path("cells.bag")}, {"/ball/pose", "'ball'", "nav_msgs/GridCells"});
   // Told from the connections, before anything is read.
-  expectLine({scene_, path("path.bag"), "--from", "100"}, {"/ball/pose", "'ball'", "nav_msgs/Path"});
+  expectLine({scene_, path("cells.bag"), "--from", "100"}, {"/ball/pose", "'ball'", "nav_msgs/GridCells"});
 }
 
 TEST_F(BadInput, wrongFrame) {
   writeBall(path("odom.bag"), 10, "/ball/pose", "odom");
-  expectLine({scene_, path("odom.bag")}, {"/ball/pose", "'odom'", "'world'"});
+  expectLine({scene_, path("odom.bag")}, {"/ball/pose", "'odom", "'world'"});
 }
 
 TEST_F(BadInput, tfFrameThatHangsOnNothing) {

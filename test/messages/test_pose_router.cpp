@@ -1,0 +1,213 @@
+/// Which poses come out of which messages. Spheres named a, b, ... with the sources that a test gives them.
+#include <geometry_msgs/PoseStamped.h>
+#include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <cmath>
+
+#include "collision_node/messages/pose_router.h"
+#include "test/messages/wire.h"
+#include "test/support/gazebo_states.h"
+
+namespace collision_node::messages {
+namespace {
+
+using Type = scene::PoseSource::Type;
+constexpr motion::Nanoseconds kMs = 1'000'000;
+
+scene::PoseSource topic(const std::string& name) {
+  scene::PoseSource source;
+  source.type = Type::kTopic;
+  source.topic = name;
+  return source;
+}
+
+scene::PoseSource frame(const std::string& name) {
+  scene::PoseSource source;
+  source.type = Type::kTf;
+  source.tf_frame = name;
+  return source;
+}
+
+std::shared_ptr<const scene::Scene> sceneOf(const std::vector<scene::PoseSource>& sources) {
+  auto out = std::make_shared<scene::Scene>();
+  for (const auto& source : sources) {
+    out->objects.emplace_back();
+    out->objects.back().name = std::string(1, static_cast<char>('a' + out->objects.size() - 1));
+    out->objects.back().source = source;
+  }
+  return out;
+}
+
+struct Router {
+  explicit Router(const std::vector<scene::PoseSource>& sources)
+      : router(
+            sceneOf(sources), [](const std::string& name) { return "/" + name; },
+            [this](int object, const motion::StampedPose& pose, StampKind kind) {
+              objects.push_back(object);
+              poses.push_back(pose);
+              kinds.push_back(kind);
+            }) {}
+
+  template <typename Message>
+  std::string send(const std::string& name, const Message& message, motion::Nanoseconds received_ns = 0) {
+    try {
+      router.handle(name, Wire<Message>(message).raw, received_ns);
+    } catch (const PoseError& error) {
+      return error.what();
+    }
+    return "taken";
+  }
+
+  std::vector<int> objects;
+  std::vector<motion::StampedPose> poses;
+  std::vector<StampKind> kinds;
+  PoseRouter router;
+};
+
+std_msgs::Header header(const std::string& frame, int ms) {
+  std_msgs::Header out;
+  out.frame_id = frame;
+  out.stamp.fromNSec(static_cast<std::uint64_t>(ms) * kMs);
+  return out;
+}
+
+geometry_msgs::PoseStamped poseIn(const std::string& frame, int ms, double x) {
+  geometry_msgs::PoseStamped out;
+  out.header = header(frame, ms);
+  out.pose.position.x = x;
+  out.pose.orientation.w = 1;
+  return out;
+}
+
+tf2_msgs::TFMessage transform(const std::string& parent, const std::string& child, int ms, double x,
+                              double yaw = 0) {
+  tf2_msgs::TFMessage out;
+  out.transforms.emplace_back();
+  auto& t = out.transforms.back();
+  t.header = header(parent, ms);
+  t.child_frame_id = child;
+  t.transform.translation.x = x;
+  t.transform.rotation.z = std::sin(yaw / 2);
+  t.transform.rotation.w = std::cos(yaw / 2);
+  return out;
+}
+
+const double kQuarter = std::acos(0.0);
+using Topics = std::vector<std::string>;
+
+TEST(PoseRouter, posesInTheWorldNeedNoTf) {
+  Router r({topic("p")});
+  EXPECT_EQ(r.send("/p", poseIn("/world", 5, 1)), "taken");
+  EXPECT_EQ(r.router.topics(), Topics{"/p"});
+  EXPECT_FALSE(r.router.usesTf());
+  ASSERT_EQ(r.poses.size(), 1u);
+  EXPECT_EQ(r.poses[0].pose.position.x(), 1.0);
+}
+
+TEST(PoseRouter, posesInAnotherFrameAreComposedWithItsStaticTransforms) {
+  Router r({topic("p")});
+  EXPECT_EQ(r.send("/p", poseIn("lab", 5, 1)), "taken");
+  EXPECT_EQ(r.router.topics(), (Topics{"/p", "/tf", "/tf_static"}));
+  EXPECT_EQ(r.router.tf().unresolved(), std::vector<std::string>{"lab, of topic /p"});
+  EXPECT_TRUE(r.poses.empty());
+  EXPECT_EQ(r.send("/tf_static", transform("world", "lab", 0, 10, kQuarter)), "taken");
+  EXPECT_EQ(r.send("/p", poseIn("lab", 8, 2)), "taken");
+  ASSERT_EQ(r.poses.size(), 2u) << "the one before the transform was kept";
+  EXPECT_LT((r.poses[0].pose.position - geometry::Vec3(10, 1, 0)).norm(), 1e-14);
+  EXPECT_EQ(r.poses[1].stamp_ns, 8 * kMs);
+  EXPECT_TRUE(r.router.tf().unresolved().empty());
+}
+
+TEST(PoseRouter, posesInAMovingFrameAreAChain) {
+  Router r({topic("p")});
+  r.send("/p", poseIn("odom", 0, 0));
+  for (int ms = 0; ms <= 300; ms += 100) r.send("/tf", transform("world", "odom", ms, 0.01 * ms));
+  for (int ms = 50; ms <= 250; ms += 100) r.send("/p", poseIn("odom", ms, 0.1 * ms));
+  r.router.flush();
+  ASSERT_EQ(r.poses.size(), 6u) << "0, 50, 100 ... 250 ms: the union of both stamps, as far as both know";
+  for (const auto& pose : r.poses)
+    EXPECT_NEAR(pose.pose.position.x(), 0.11 * static_cast<double>(pose.stamp_ns / kMs), 1e-12);
+}
+
+TEST(PoseRouter, aTwistIsTurnedWithItsFrame) {
+  Router r({topic("p")});
+  nav_msgs::Odometry odometry;
+  odometry.header = header("lab", 5);
+  odometry.pose.pose.orientation.w = 1;
+  odometry.twist.twist.linear.x = 3;
+  r.send("/p", odometry);
+  r.send("/tf_static", transform("world", "lab", 0, 0, kQuarter));
+  ASSERT_EQ(r.poses.size(), 1u);
+  EXPECT_TRUE(r.poses[0].has_twist);
+  EXPECT_LT((r.poses[0].linear - geometry::Vec3(0, 3, 0)).norm(), 1e-15);
+}
+
+TEST(PoseRouter, aChangedFrameIsRefusedByNamingBoth) {
+  Router r({topic("p")});
+  r.send("/p", poseIn("world", 5, 1));
+  const std::string fault = r.send("/p", poseIn("odom", 6, 1));
+  for (const char* part : {"/p", "'a'", "'odom'", "'world'"})
+    EXPECT_NE(fault.find(part), std::string::npos) << fault;
+  EXPECT_EQ(r.send("/p", poseIn("world", 7, 1)), "taken");
+  EXPECT_EQ(r.poses.size(), 2u);
+  EXPECT_EQ(r.router.faults().at("/p").refused, 1u);
+  EXPECT_FALSE(r.router.usesTf());
+}
+
+TEST(PoseRouter, aChangedTypeIsRefusedByNamingBoth) {
+  Router r({topic("p")});
+  r.send("/p", poseIn("world", 5, 1));
+  const std::string fault = r.send("/p", nav_msgs::Odometry());
+  for (const char* part : {"/p", "geometry_msgs/PoseStamped", "nav_msgs/Odometry"})
+    EXPECT_NE(fault.find(part), std::string::npos) << fault;
+  EXPECT_EQ(r.poses.size(), 1u);
+}
+
+TEST(PoseRouter, anotherVersionOfTheTypeIsRefusedByNamingBoth) {
+  Router r({topic("p")});
+  const Wire<geometry_msgs::PoseStamped> wire(poseIn("world", 5, 1));
+  RawMessage other = wire.raw;
+  other.md5sum = "00000000000000000000000000000000";
+  try {
+    r.router.handle("/p", other, 0);
+    FAIL() << "taken";
+  } catch (const PoseError& error) {
+    const std::string fault = error.what();
+    for (const std::string& part : {other.md5sum, wire.raw.md5sum})
+      EXPECT_NE(fault.find(part), std::string::npos) << fault;
+  }
+}
+
+TEST(PoseRouter, anEmptyFrameIsRefused) {
+  Router r({topic("p")});
+  EXPECT_NE(r.send("/p", poseIn("", 5, 1)).find("frame_id is empty"), std::string::npos);
+}
+
+TEST(PoseRouter, aFrameWithStaticTransformsOnlyIsHandedOutForAllTime) {
+  Router r({frame("wall")});
+  r.send("/tf_static", transform("world", "wall", 0, 4));
+  ASSERT_EQ(r.kinds, std::vector<StampKind>{StampKind::kAlways});
+  EXPECT_EQ(r.poses[0].pose.position.x(), 4.0);
+}
+
+TEST(PoseRouter, gazeboStatesCarryTheTimeOfReceipt) {
+  auto source = topic("gazebo/model_states");
+  source.model = "ball";
+  Router r({source});
+  test_support::ModelStates states;
+  states.name = {"ground", "ball"};
+  states.pose.resize(2);
+  states.twist.resize(2);
+  states.pose[1].position.x = 7;
+  states.pose[1].orientation.w = 1;
+  EXPECT_EQ(r.send("/gazebo/model_states", states, 123), "taken");
+  ASSERT_EQ(r.poses.size(), 1u);
+  EXPECT_EQ(r.poses[0].stamp_ns, 123);
+  EXPECT_EQ(r.kinds[0], StampKind::kGuessed);
+  EXPECT_EQ(r.poses[0].pose.position.x(), 7.0);
+}
+
+}  // namespace
+}  // namespace collision_node::messages

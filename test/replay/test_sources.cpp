@@ -1,0 +1,176 @@
+/// What drives an object beside poses in the world frame: chains of tf, poses in other frames, gazebo's
+/// states.
+#include <geometry_msgs/TransformStamped.h>
+#include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
+#include <tf2_msgs/TFMessage.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+
+#include "test/replay/bags.h"
+#include "test/support/gazebo_states.h"
+
+namespace collision_node::test {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+ros::Time after(std::int64_t ns) {
+  ros::Time time;
+  time.fromNSec(static_cast<std::uint64_t>(kFirstNs + ns));
+  return time;
+}
+
+tf2_msgs::TFMessage transform(const std::string& parent, const std::string& child, std::int64_t ns, double x,
+                              double y = 0.0, double yaw = 0.0) {
+  tf2_msgs::TFMessage out;
+  out.transforms.resize(1);
+  auto& t = out.transforms[0];
+  t.header.frame_id = parent;
+  t.header.stamp = after(ns);
+  t.child_frame_id = child;
+  t.transform.translation.x = x;
+  t.transform.translation.y = y;
+  t.transform.rotation.z = std::sin(0.5 * yaw);
+  t.transform.rotation.w = std::cos(0.5 * yaw);
+  return out;
+}
+
+std::vector<YAML::Node> lines(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<YAML::Node> out;
+  for (std::string line; std::getline(in, line);) out.push_back(YAML::Load(line));
+  return out;
+}
+
+/// Seconds after the bag's first stamp.
+double instantOf(const YAML::Node& event) {
+  return 1e-9 * static_cast<double>(event["interval_start"].as<std::int64_t>() - kFirstNs) +
+         event["toi_lower"].as<double>();
+}
+
+class Sources : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return folder_.path() + "/" + name; }
+  std::string scene(const std::string& ball_pose, const std::string& wall_pose = "fixed: {}") {
+    return folder_.write("scene.yaml", "objects:\n  ball: {sphere: {radius: 0.1}, pose: {" + ball_pose +
+                                           "}}\n  wall: {box: {size: [1, 20, 20]}, pose: {" + wall_pose +
+                                           "}}\ntime: {max_gap: 0.5, timeout: 0.7}\n");
+  }
+  test_support::TempFolder folder_;
+};
+
+/// The ball is at x = -10 + 20 s in the world: odom glides at 5 m/s, sent every 70 ms; the base runs at 15
+/// m/s in it, sent every 30 ms. It meets the wall at x = -0.6.
+void writeChain(rosbag::Bag& bag) {
+  bag.write("/tf_static", after(0), transform("base", "ball", 0, -10.0));
+  for (std::int64_t ms = 0; ms <= 2100; ms += 10) {
+    const double s = 1e-3 * static_cast<double>(ms);
+    if (ms % 70 == 0) bag.write("/tf", after(ms * kMs), transform("world", "odom", ms * kMs, 5.0 * s));
+    if (ms % 30 == 0) bag.write("/tf", after(ms * kMs + 1), transform("odom", "base", ms * kMs, 15.0 * s));
+  }
+}
+
+TEST_F(Sources, aChainOfMovingFramesIsItsComposition) {
+  {
+    rosbag::Bag bag(path("chain.bag"), rosbag::bagmode::Write);
+    writeChain(bag);
+  }
+  const Outcome got = replayed({scene("tf: ball"), path("chain.bag"), "--jsonl", "-"});
+  ASSERT_EQ(got.code, 0) << got.err;
+  const auto events = lines(got.out);
+  ASSERT_EQ(events.size(), 2u) << got.out;
+  EXPECT_EQ(events[0]["certificate"].as<std::string>(), "CONFIRMED");
+  EXPECT_NEAR(instantOf(events[0]), (10.0 - 0.6) / 20.0, 2e-9);
+  EXPECT_NEAR(instantOf(events[1]), (10.0 + 0.6) / 20.0, 2e-9);
+}
+
+TEST_F(Sources, aFrameThatOnlyStaticTransformsHoldIsAFixedObject) {
+  {
+    rosbag::Bag bag(path("chain.bag"), rosbag::bagmode::Write);
+    writeChain(bag);
+    bag.write("/tf_static", after(500 * kMs), transform("world", "lab", 0, 4.0));  // late, yet for all time
+    bag.write("/tf_static", after(500 * kMs), transform("lab", "wall", 0, 1.0));
+  }
+  const Outcome got = replayed({scene("tf: ball", "tf: wall"), path("chain.bag"), "--jsonl", "-"});
+  ASSERT_EQ(got.code, 0) << got.err;
+  const auto events = lines(got.out);
+  ASSERT_EQ(events.size(), 2u) << got.out;
+  EXPECT_NEAR(instantOf(events[0]), (15.0 - 0.6) / 20.0, 2e-9);
+}
+
+TEST_F(Sources, posesInAMovingFrameAreComposedWithIt) {
+  {
+    rosbag::Bag bag(path("odometry.bag"), rosbag::bagmode::Write);
+    for (std::int64_t ms = 0; ms <= 2100; ms += 10) {
+      const double s = 1e-3 * static_cast<double>(ms);
+      if (ms % 70 == 0) bag.write("/tf", after(ms * kMs), transform("world", "odom", ms * kMs, 5.0 * s));
+      nav_msgs::Odometry odometry;
+      odometry.header.stamp = after(ms * kMs);
+      odometry.header.frame_id = "odom";
+      odometry.pose.pose.position.x = -10.0 + 15.0 * s;
+      odometry.pose.pose.orientation.w = 1.0;
+      bag.write("/ball/odom", after(ms * kMs + 1), odometry);
+    }
+  }
+  const Outcome got = replayed({scene("topic: ball/odom"), path("odometry.bag"), "--jsonl", "-"});
+  ASSERT_EQ(got.code, 0) << got.err;
+  const auto events = lines(got.out);
+  ASSERT_EQ(events.size(), 2u) << got.out;
+  EXPECT_EQ(events[0]["certificate"].as<std::string>(), "CONFIRMED");
+  EXPECT_NEAR(instantOf(events[0]), (10.0 - 0.6) / 20.0, 2e-9);
+}
+
+TEST_F(Sources, aFrameThatTfNeverConnectsIsNamedWithTheWorld) {
+  {
+    rosbag::Bag bag(path("odometry.bag"), rosbag::bagmode::Write);
+    for (int i = 0; i < 10; ++i) bag.write("/ball/pose", ballPose(i).header.stamp, ballPose(i, "lab"));
+    bag.write("/tf", after(0), transform("world", "elsewhere", 0, 0.0));
+  }
+  const Outcome got = replayed({scene("topic: ball/pose"), path("odometry.bag")});
+  EXPECT_EQ(got.code, 2);
+  for (const char* part : {"'lab, of topic /ball/pose'", "world_frame 'world'", "elsewhere"})
+    EXPECT_NE(got.err.find(part), std::string::npos) << got.err;
+}
+
+TEST_F(Sources, aTopicWithTwoTypesIsRefusedByNamingBoth) {
+  {
+    rosbag::Bag bag(path("pose.bag"), rosbag::bagmode::Write),
+        more(path("odometry.bag"), rosbag::bagmode::Write);
+    bag.write("/ball/pose", after(0), ballPose(0));
+    more.write("/ball/pose", after(1), nav_msgs::Odometry());
+  }
+  const Outcome got = replayed({scene("topic: ball/pose"), path("pose.bag"), path("odometry.bag")});
+  EXPECT_EQ(got.code, 2);
+  for (const char* part : {"geometry_msgs/PoseStamped", "nav_msgs/Odometry", "/ball/pose"})
+    EXPECT_NE(got.err.find(part), std::string::npos) << got.err;
+}
+
+TEST_F(Sources, gazeboModelsGiveEventsThatAreNotCertified) {
+  {
+    rosbag::Bag bag(path("gazebo.bag"), rosbag::bagmode::Write);
+    for (std::int64_t ms = 0; ms <= 2000; ms += 20) {
+      test_support::ModelStates states;
+      states.name = {"ground_plane", "ball"};
+      states.pose.resize(2);
+      states.twist.resize(2);
+      states.pose[1].position.x = -10.0 + 20.0 * 1e-3 * static_cast<double>(ms);
+      states.pose[1].orientation.w = 1.0;
+      bag.write("/gazebo/model_states", after(ms * kMs), states);
+    }
+  }
+  const Outcome got =
+      replayed({scene("topic: gazebo/model_states, model: ball"), path("gazebo.bag"), "--jsonl", "-"});
+  ASSERT_EQ(got.code, 0) << got.err;
+  const auto events = lines(got.out);
+  ASSERT_EQ(events.size(), 2u) << got.out;
+  EXPECT_NEAR(instantOf(events[0]), (10.0 - 0.6) / 20.0, 2e-9);
+  for (const auto& event : events) {
+    EXPECT_EQ(event["certificate"].as<std::string>(), "UNCERTIFIED");
+    EXPECT_EQ(event["reason"].as<std::string>(), "STAMP_GUESSED");
+  }
+}
+
+}  // namespace
+}  // namespace collision_node::test
