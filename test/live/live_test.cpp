@@ -155,12 +155,17 @@ TEST(Live, equalsOfflineAndTruth) {
   pause.request.data = 0;
   ASSERT_TRUE(ros::service::call("/player/pause_playback", pause));
 
-  EXPECT_TRUE(waitFor([&] { return accepted >= offline.accepted; }))
+  // The dispenser's path is composed: at 30 Hz its last three poses wait `reorder` (0.1 s) for one that may
+  // be earlier.
+  constexpr std::uint64_t kHeldBack = 3;
+  EXPECT_TRUE(waitFor([&] { return accepted >= offline.accepted - kHeldBack; }))
       << "only " << accepted << " of " << offline.accepted << " poses were accepted";
-  EXPECT_EQ(accepted, offline.accepted);
+  EXPECT_EQ(accepted, offline.accepted - kHeldBack);
   const auto flushed = call("/flush");
   EXPECT_EQ(flushed.message, std::to_string(offline.impacts.size()) + " events");
   waitFor([&] { return live.size() >= offline.impacts.size(); });
+  waitFor([&] { return accepted >= offline.accepted; });
+  EXPECT_EQ(accepted, offline.accepted);
 
   ASSERT_EQ(live.size(), offline.impacts.size());
   for (std::size_t i = 0; i < live.size(); ++i)
