@@ -93,6 +93,7 @@ void EventWriter::widenCone(ContactFacts& facts, const ContactFacts& other) {
 /// are said.
 void EventWriter::joinNeighbours(PairEvent& event, ContactFacts& facts, const Bracket& bracket,
                                  ElementPair pair) {
+  if (pair_.a.elementCount() == 1 && pair_.b.elementCount() == 1) return;
   constexpr std::size_t kLimit = 48;
   const Instant now = pair_.at(bracket.reference);
   const std::vector<ElementPair> near_pairs = search_.nearPairs(bracket.lower, bracket.upper, kLimit);

@@ -182,7 +182,7 @@ SupportPair Cores::support(const Vec3& direction) const {
   return s;
 }
 
-Closest closestPoints(const Cores& cores, const Vec3& guess, double enough) {
+Closest closestPoints(const Cores& cores, const Vec3& guess, double enough, double loss) {
   const Element &a = *cores.a.element, &b = *cores.b.element;
   if (a.vertices != nullptr && a.count == 1 && b.vertices == nullptr) return pointToCylinder(cores, true);
   if (b.vertices != nullptr && b.count == 1 && a.vertices == nullptr) return pointToCylinder(cores, false);
@@ -200,7 +200,9 @@ Closest closestPoints(const Cores& cores, const Vec3& guess, double enough) {
     }
     if (length2 <= enough * enough) return c;
     SupportPair next = cores.support(-c.v);
-    if (length2 - c.v.dot(next.w) <= 1e-13 * length2) return c;
+    if (length2 - c.v.dot(next.w) <=
+        std::max(1e-13 * length2, loss * (length2 - enough * std::sqrt(length2))))
+      return c;
     for (int i = 0; i < c.count; ++i) {
       if (next.w == c.point[i].w) return c;
     }

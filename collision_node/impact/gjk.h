@@ -49,8 +49,8 @@ struct Closest {
 };
 
 /// Closest points of the cores. `guess` is a first direction, e.g. the last answer's v. Points that are as
-/// close as `enough` need not be the closest.
-Closest closestPoints(const Cores& cores, const Vec3& guess, double enough = 0.0);
+/// close as `enough` will do, and so will a distance beyond it that is too large by the share `loss`.
+Closest closestPoints(const Cores& cores, const Vec3& guess, double enough = 0.0, double loss = 0.0);
 
 /// The largest distance of a point of the element's core from its object's origin, to rounding.
 double coreReach(const Element& element);

@@ -76,6 +76,16 @@ void Search::push(Item item) {
 
 template <typename Leaf>
 void Search::walk(double from, double to, Leaf&& leaf) {
+  const bool primitives = piece_.a.triangleCount() == 0 && piece_.b.triangleCount() == 0;
+  if (primitives && piece_.a.elementCount() == 1 && piece_.b.elementCount() == 1) {  // nothing to walk
+    ++node_tests_;
+    if (exhausted()) {
+      leaf.unresolved(from);
+    } else {
+      leaf(Slab(), 0, 0, {from, to});
+    }
+    return;
+  }
   slabs_.start(from, to);
   stack_.clear();
   const geometry::Bvh &tree_a = piece_.a.bvh(), &tree_b = piece_.b.bvh();
@@ -139,7 +149,7 @@ void Search::walk(double from, double to, Leaf&& leaf) {
 
 /// Steps from `from` as long as a gap is proved; returns the time up to which, >= to when throughout.
 double Search::advance(const Element& a, const Element& b, double from, double to, double stop) {
-  const bool rounded = a.radius + b.radius + piece_.contact_distance > 0.0;
+  const double radius = a.radius + b.radius + piece_.contact_distance;
   const bool triangles = a.triangle >= 0 && b.triangle >= 0;
   constexpr int kMaxSteps = 4000;
   double t = from;
@@ -149,9 +159,10 @@ double Search::advance(const Element& a, const Element& b, double from, double t
     const Instant now = piece_.at(t);
     double s = triangles ? TrianglePair(piece_, now, a, b).apartFor(to - t) : 0.0;
     if (s < to - t && !(s > stop)) {
-      const Closest closest = closestPoints(Cores(now, a, b), guess);
+      // The gap along the axis is what counts, and a thousandth less of it is as good.
+      const Closest closest = closestPoints(Cores(now, a, b), guess, radius, 1e-3);
       guess = closest.v;
-      s = std::max(s, apartFrom(piece_, now, a, b, closest, rounded, to - t));
+      s = std::max(s, apartFrom(piece_, now, a, b, closest, radius > 0.0, to - t));
     }
     if (!(s > 0.0)) return t;
     if (s >= to - t) return kInfinity;
