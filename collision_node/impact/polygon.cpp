@@ -32,7 +32,8 @@ Polygon convexHull(Polygon points) {
 }
 
 Polygon grownHull(const Polygon& points, double radius) {
-  // The octagon around the disc: corners at (+-1, +-h) and (+-h, +-1) times the radius, h = tan(pi/8) rounded up.
+  // The octagon around the disc: corners at (+-1, +-h) and (+-h, +-1) times the radius, h = tan(pi/8) rounded
+  // up.
   const double outer = radius * (1.0 + 1e-12), inner = 0.41421356237309515 * outer;
   Polygon grown;
   grown.reserve(8 * points.size());

@@ -159,8 +159,9 @@ TEST(TimeLine, ClockWentBackTakesAllTracksAlong) {
 }
 
 TEST(TimeLine, TheClockMayFollowAJumpThatTheSceneHasAlreadyMade) {
-  // The second object flew for half a second and is long gone when the bag loops: the first one's poses alone carry the
-  // scene into the new round, and /clock tells of it a moment later. The second object belongs to that same round.
+  // The second object flew for half a second and is long gone when the bag loops: the first one's poses alone
+  // carry the scene into the new round, and /clock tells of it a moment later. The second object belongs to
+  // that same round.
   TimeLine line = twoTracks();
   feed(line, 0, 5000, 5500);
   feed(line, 1, 5000, 5500);
