@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <type_traits>
 
 namespace oracle {
@@ -102,6 +103,11 @@ inline Interval operator/(const Interval& a, const Interval& b) {
   mpfr_ui_div(inverse.hi.raw(), 1, b.lo.raw(), MPFR_RNDU);
   return a * inverse;
 }
+/// Exact seconds between two stamps, as an enclosure.
+inline Interval exactSeconds(std::int64_t from_ns, std::int64_t to_ns) {
+  return Interval(static_cast<double>(to_ns - from_ns)) / Interval(1e9);  // both exact: spans below 2^53 ns
+}
+
 /// Of an interval of numbers >= 0.
 inline Interval sqrt(const Interval& a) {
   Interval r;

@@ -13,11 +13,6 @@
 
 namespace oracle {
 
-/// Exact seconds between two stamps, as an enclosure.
-inline Interval exactSeconds(std::int64_t from_ns, std::int64_t to_ns) {
-  return Interval(static_cast<double>(to_ns - from_ns)) / Interval(1e9);  // both exact: spans below 2^53 ns
-}
-
 /// The unit quaternion in the direction of four doubles.
 struct UnitQuaternion {
   I3 v;
