@@ -164,10 +164,13 @@ TEST(Metamorphic, ASmallerBudgetSaysLessAndNothingElse) {
       spent += met;
       ASSERT_GE(open, open_before * (1 - 1e-12)) << "budget " << budget << '\n' << listOf(said);
       open_before = open;
-      if (met) ASSERT_GE(said.back().toi_upper, s.duration() * (1 - 1e-15)) << listOf(said);
+      if (met) {
+        ASSERT_GE(said.back().toi_upper, s.duration() * (1 - 1e-15)) << listOf(said);
+      }
       expectNoContradiction(s, events, said, 0.0);
-      if (!events.empty())
+      if (!events.empty()) {
         ASSERT_FALSE(said.empty()) << "MISS with budget " << budget << '\n' << listOf(events);
+      }
       if (testing::Test::HasFatalFailure()) return;
     }
   });
