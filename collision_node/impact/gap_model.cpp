@@ -117,6 +117,8 @@ Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, 
     // Stay perpendicular to the segment between the two points.
     const Vec3 e = closest.point[1].w - closest.point[0].w;
     const double length2 = e.squaredNorm();
+    // What rounding left along it would cost its whole length, which may be many times the gap.
+    axis.direction -= e * (e.dot(axis.direction) / length2);
     const Vec3 along = e * (-axis.direction.dot(rate[1] - rate[0]) / length2);
     axis.rate = along;
     if (rounded) {
