@@ -17,6 +17,7 @@ const char* const kUsage = R"(replay: finds the impacts in recorded poses; needs
   --to S         end S seconds after the first message of the bags
   --plan         print what the scene becomes: objects, pairs, solvers, what is left out and why
   --method M     certified (default), paper_a or paper_b
+  --plan full    every pair on every piece, however far apart: the same events, slowly
   --threads N    how many threads may work; the answers do not depend on it
   --timing       measure: wall time in stats and a line at the end (the stats then differ from run to run)
   --ns NS        namespace of the scene's relative topics (default /)
@@ -95,7 +96,12 @@ Options parseOptions(const std::vector<std::string>& arguments) {
     } else if (name == "--ns") {
       out.name_space = value();
     } else if (name == "--plan") {
-      out.plan = flag();
+      // "--plan full" solves all; the word may also be a scene's name only as ./full.
+      const bool is_full =
+          attached ? *attached == "full" : i + 1 < arguments.size() && arguments[i + 1] == "full";
+      if (is_full && !attached) ++i;
+      out.everything = is_full || out.everything;
+      out.plan = is_full ? out.plan : flag();
     } else if (name == "--timing") {
       out.timing = flag();
     } else if (name == "--help" || name == "-h") {

@@ -18,6 +18,7 @@ struct Options {
   std::string out;                 ///< result bag
   std::optional<double> from, to;  ///< [s] of receive time after the first message of the bags
   bool plan = false;
+  bool everything = false;  ///< `--plan full`
   impact::MethodName method = impact::MethodName::kCertified;
   int threads = 1;  ///< a wish; the answers never depend on it
   bool timing = false;

@@ -67,7 +67,8 @@ class Run {
       outputs_->event(event);
     };
     sinks.stats = [this](const scene::Stats& stats) { heartbeat(withMessages(stats)); };
-    engine_ = std::make_unique<scene::Engine>(scene_, options.method, sinks);
+    engine_ = std::make_unique<scene::Engine>(scene_, options.method, sinks,
+                                              scene::EngineOptions{options.everything, options.threads});
   }
 
   int run(const std::string& plan, bool show_progress) {

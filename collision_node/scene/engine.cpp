@@ -36,14 +36,14 @@ class Engine::Impl {
  private:
   void catchUp();
   void takeChanges();
-  void work();
+  void work(bool at_once = false);
+  std::optional<Nanoseconds> beatDue() const;
   void endEpoch();
   void startEpoch();
   void prune();
   Instant decidedUpTo() const;
   void publishBefore(const Instant& limit);
   void publishAll() { publishBefore(instantAt(kForEver)); }
-  void heartbeatIfDue();
   void heartbeat(Nanoseconds stamp_ns);
 
   std::shared_ptr<const Scene> scene_;
@@ -51,8 +51,9 @@ class Engine::Impl {
   TimeLine time_line_;
   PairTable pairs_;
   EventQueue queue_;
-  std::vector<int> changed_;           ///< tracks that pruning has not looked at
-  std::vector<std::size_t> prune_at_;  ///< by track: samples kept
+  std::vector<int> changed_;                 ///< tracks that pruning has not looked at
+  std::vector<std::size_t> prune_at_;        ///< by track: samples kept
+  std::optional<Nanoseconds> solved_to_ns_;  ///< the watermark that pairs have been solved at
   Nanoseconds last_beat_ns_ = kNever;
   double worst_bracket_ = 0.0, worst_position_error_ = 0.0;
 };
@@ -103,7 +104,7 @@ void Engine::Impl::catchUp() {
 void Engine::Impl::flush() {
   for (;;) {
     time_line_.releaseAll();
-    work();
+    work(true);
     if (!time_line_.hasLaterEpoch()) break;
     endEpoch();
     time_line_.nextEpoch();
@@ -132,18 +133,21 @@ void Engine::Impl::takeChanges() {
   }
 }
 
-/// Solves and publishes all that has become known. The order matters: whatever may still bring an event older
-/// than the new watermark is done before anything is published.
-void Engine::Impl::work() {
+/// Solves and publishes all that has become known, once there is something to publish: while the watermark
+/// stands, nothing can be, and what waits is solved together. The order matters: whatever may still bring an
+/// event older than the new watermark is done before anything is published.
+void Engine::Impl::work(bool at_once) {
   takeChanges();
   const std::optional<Nanoseconds> watermark = time_line_.watermark();
+  if (!at_once && watermark == solved_to_ns_ && !beatDue()) return;
+  solved_to_ns_ = watermark;
   pairs_.solve(watermark.value_or(kNever), queue_);
   if (watermark) {
     pairs_.testStatics(queue_);
     publishBefore(decidedUpTo());
     prune();  // before there is a watermark, first poses may still be asked for
   }
-  heartbeatIfDue();
+  if (const auto due = beatDue()) heartbeat(*due);
 }
 
 // ---- epochs
@@ -161,6 +165,7 @@ void Engine::Impl::startEpoch() {
   pairs_.startEpoch();
   queue_.newEpoch();
   changed_.clear();
+  solved_to_ns_.reset();
   last_beat_ns_ = kNever;
 }
 
@@ -193,13 +198,14 @@ void Engine::Impl::publishBefore(const Instant& limit) {
   }
 }
 
-void Engine::Impl::heartbeatIfDue() {
+std::optional<Nanoseconds> Engine::Impl::beatDue() const {
   const auto newest = time_line_.newestReleased();
-  if (!newest) return;
+  if (!newest) return std::nullopt;
   const Nanoseconds first = *time_line_.firstReleased();
   const Nanoseconds period = std::max<Nanoseconds>(1, toNanoseconds(scene_->stats_period));
   const Nanoseconds due = first + (*newest - first) / period * period;
-  if (due > first && due > last_beat_ns_) heartbeat(due);
+  if (due > first && due > last_beat_ns_) return due;
+  return std::nullopt;
 }
 
 void Engine::Impl::heartbeat(Nanoseconds stamp_ns) {

@@ -18,6 +18,16 @@ double baseOf(const Traveller& traveller, const Track& track, std::size_t index)
 
 }  // namespace
 
+void ObjectPair::become(int a, int b) {
+  a_ = a;
+  b_ = b;
+  cursor_ = PieceCursor();
+  watches_.clear();
+  is_resting_ = is_tested_ = false;
+  place.last_tests = 0;
+  ++place.nap;
+}
+
 void ObjectPair::restart(const PairWorld& world) {
   startOver();
   cursor_.restart(world.track(a_), world.track(b_));

@@ -34,6 +34,9 @@ class ObjectPair {
   /// `a` <= `b` in byte order.
   ObjectPair(int a, int b) : a_(a), b_(b) {}
 
+  /// As if new, for other objects: memory of pairs is used again. Alarms for the old pair stay void.
+  void become(int a, int b);
+
   int a() const { return a_; }
   int b() const { return b_; }
 
@@ -76,7 +79,8 @@ class ObjectPair {
   Costs costs;
   /// What its table notes about it.
   struct Place {
-    std::uint64_t nap = 0;  ///< how often it has gone to rest
+    std::uint64_t nap = 0;         ///< how often it has gone to rest, been woken or become another
+    std::uint64_t last_tests = 0;  ///< what its last walk cost
     bool is_due = false;
     std::optional<Instant> open_since;
   } place;

@@ -8,6 +8,16 @@ namespace collision_node::scene {
 namespace {
 
 constexpr Nanoseconds kForEver = std::numeric_limits<Nanoseconds>::max();
+constexpr Nanoseconds kAlways = std::numeric_limits<Nanoseconds>::min();
+/// Up to here every pair exists from the start: looking for neighbours would cost more than it saves.
+constexpr std::size_t kFewObjects = 48;
+/// Node tests, about a millisecond's: less is not worth waking another thread for.
+constexpr std::uint64_t kEnoughWork = 4000;
+constexpr std::uint64_t kTestsOfAnyWalk = 40;
+
+std::uint64_t keyOf(int a, int b) {
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32) | static_cast<std::uint32_t>(b);
+}
 
 impact::PairOptions optionsOf(const Scene& scene) {
   impact::PairOptions options;
@@ -48,6 +58,7 @@ PairTable::PairTable(const Scene& scene, const TimeLine& time_line, const Engine
              !options.everything},
       coverage_(scene.objects.size()),
       counter_(scene),
+      crew_(options.threads),
       awake_(scene.objects.size()),
       alarms_(scene.objects.size()),
       seen_(scene.objects.size(), 0),
@@ -55,7 +66,68 @@ PairTable::PairTable(const Scene& scene, const TimeLine& time_line, const Engine
       is_noted_(scene.objects.size(), 0) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (scene.objects[i].on_timeout == OnTimeout::kFreeze) freezing_.push_back(static_cast<int>(i));
-  addAllPairs();
+  if (world_.may_rest && scene.pairs.watchesRest() && scene.objects.size() > kFewObjects) {
+    beginBroadPhase();
+  } else {
+    addAllPairs();
+  }
+}
+
+// ---- which pairs exist
+
+void PairTable::beginBroadPhase() {
+  const int count = static_cast<int>(world_.scene.objects.size());
+  broad_ = std::make_unique<BroadPhase>(world_.scene.objects.size());
+  std::vector<int> standing;
+  std::vector<Bounds> boxes;
+  for (int object = 0; object < count; ++object) {
+    if (world_.scene.pairs.countBetween(world_.scene.objects, object, object) > 0) addPair(object, object);
+    if (!world_.track(object).isFixed()) continue;
+    standing.push_back(object);
+    boxes.push_back(world_.travellers[object].standingBox());
+  }
+  broad_->stand(standing, boxes);
+  for (std::size_t i = 0; i < standing.size(); ++i)
+    for (const int other : broad_->standingNear(boxes[i]))
+      if (standing[i] < other) addPair(standing[i], other);
+}
+
+void PairTable::meetOnes(int object, const std::vector<int>& others, Nanoseconds proved_ns) {
+  for (const int other : others)
+    met_.push_back({std::min(object, other), std::max(object, other), proved_ns});
+}
+
+void PairTable::makeNear(int a, int b, Nanoseconds proved_ns) {
+  if (near_.count(keyOf(a, b)) != 0 || world_.scene.pairs.countBetween(world_.scene.objects, a, b) == 0)
+    return;
+  if (world_.track(a).isFixed() && world_.track(b).isFixed()) return;  // among the statics
+  if (spare_.empty()) {
+    pairs_.push_back(std::make_unique<ObjectPair>(a, b));
+  } else {
+    pairs_.push_back(std::move(spare_.back()));
+    spare_.pop_back();
+    pairs_.back()->become(a, b);
+  }
+  ObjectPair& pair = *pairs_.back();
+  near_[keyOf(a, b)] = &pair;
+  goOnBehindProof(pair, proved_ns);
+}
+
+/// Pairs that rest, and whose stays have nothing to do with each other any more.
+void PairTable::retire() {
+  if (!broad_) return;
+  for (std::size_t i = 0; i < pairs_.size();) {
+    ObjectPair& pair = *pairs_[i];
+    if (!pair.isResting() || broad_->mayMeet(pair.a(), pair.b())) {
+      ++i;
+      continue;
+    }
+    near_.erase(keyOf(pair.a(), pair.b()));
+    ++pair.place.nap;
+    spare_.push_back(std::move(pairs_[i]));
+    pairs_[i] = std::move(pairs_.back());
+    pairs_.pop_back();
+  }
 }
 
 void PairTable::addAllPairs() {
@@ -85,6 +157,18 @@ void PairTable::startEpoch() {
   for (std::size_t i = 0; i < seen_.size(); ++i)
     seen_[i] = settled_[i] = world_.track(static_cast<int>(i)).firstIndex();
   for (const auto& pair : statics_) pair->startOver();
+  met_.clear();
+  if (broad_) {
+    broad_->startEpoch();
+    near_.clear();
+    for (auto& pair : pairs_) {
+      pair->place = {};
+      spare_.push_back(std::move(pair));
+    }
+    pairs_.clear();
+    for (const int object : fixed_late_)
+      meetOnes(object, broad_->stay(object, world_.travellers[object].standingBox(), kAlways), kAlways);
+  }
   for (const auto& pair : pairs_) {
     pair->restart(world_);
     pair->place = {};
@@ -99,9 +183,25 @@ void PairTable::note(int object) {
   is_noted_[object] = 1;
   coverage_.look(object, track);
   if (track.isFixed()) return;
+  Traveller& traveller = world_.travellers[object];
   for (std::size_t& index = seen_[object]; track.has(index); ++index) {
-    coverage_.take(object, track.sample(index));
-    world_.travellers[object].take(track.sample(index));
+    const Sample& sample = track.sample(index);
+    coverage_.take(object, sample);
+    traveller.take(sample);
+    if (!broad_) continue;
+    const bool joined = sample.join == Join::kJoined;
+    meetOnes(object,
+             broad_->move(object, traveller.sweepTo(sample),
+                          joined ? sample.segment.motion.start_ns : sample.pose.stamp_ns,
+                          sample.pose.stamp_ns, !joined),
+             kForEver);
+  }
+  // A frozen object stays where its last segment ended.
+  if (broad_ && track.isFrozen() && !broad_->isStaying(object)) {
+    const Sample& last = track.sample(seen_[object] - 1);
+    const Bounds at = traveller.coreAt(track, seen_[object] - 1);
+    meetOnes(object, broad_->stay(object, grown(at, traveller.radius()), last.pose.stamp_ns),
+             last.pose.stamp_ns);
   }
 }
 
@@ -110,6 +210,16 @@ void PairTable::fix(int object) {
   const motion::RigidMotion rest = track.restAt(track.firstIndex());
   world_.travellers[object].standAt({rest.c[0], rest.q0});
   untested_ = true;
+  if (broad_) {
+    fixed_late_.push_back(object);
+    for (const int other : broad_->stay(object, world_.travellers[object].standingBox(), kAlways)) {
+      if (world_.track(other).isFixed()) {
+        addPair(std::min(object, other), std::max(object, other));
+      } else {
+        met_.push_back({std::min(object, other), std::max(object, other), track.stamp(track.firstIndex())});
+      }
+    }
+  }
   const auto stands = [&](const std::unique_ptr<ObjectPair>& pair) {
     return world_.track(pair->a()).isFixed() && world_.track(pair->b()).isFixed();
   };
@@ -181,21 +291,34 @@ void PairTable::wakeUp(int object) {
       layDown(pair);
       continue;
     }
-    const Nanoseconds until = std::min(settledUntil(pair.a()), settledUntil(pair.b()));
-    pair.jumpTo(world_.track(pair.a()).indexAt(until, settled(pair.a())),
-                world_.track(pair.b()).indexAt(until, settled(pair.b())), until);
-    if (pair.tryToRest(world_)) {
-      layDown(pair);
-    } else {
-      ++pair.place.nap;
-      rouse(pair);
-    }
+    goOnBehindProof(pair, kForEver);
+  }
+}
+
+/// The pair is proved apart for all samples that are settled; what comes behind them is to be looked at.
+void PairTable::goOnBehindProof(ObjectPair& pair, Nanoseconds proved_ns) {
+  const int a = pair.a(), b = pair.b();
+  Nanoseconds until = std::min({proved_ns, settledUntil(a), settledUntil(b)});
+  if (until == kForEver) {  // nobody moves, for now
+    until = kAlways;
+    for (const int object : {a, b})
+      if (!world_.track(object).isFixed())
+        until = std::max(until, world_.track(object).stamp(settled(object)));
+  }
+  pair.jumpTo(world_.track(a).indexAt(until, settled(a)), world_.track(b).indexAt(until, settled(b)), until);
+  ++pair.place.nap;
+  if (pair.tryToRest(world_)) {
+    layDown(pair);
+  } else {
+    rouse(pair);
   }
 }
 
 // ---- work
 
 void PairTable::solve(Nanoseconds rest_known_ns, EventQueue& queue) {
+  for (const Meeting& meeting : met_) makeNear(meeting.a, meeting.b, meeting.proved_ns);
+  met_.clear();
   for (const int object : noted_) wakeUp(object);
   for (const int object : noted_)
     for (ObjectPair* pair : awake_[object]) makeDue(*pair);
@@ -205,9 +328,12 @@ void PairTable::solve(Nanoseconds rest_known_ns, EventQueue& queue) {
       if (world_.track(object).isFrozen())
         for (ObjectPair* pair : awake_[object]) makeDue(*pair);
   }
-  for (ObjectPair* pair : due_) pair->walk(world_);
+  std::uint64_t work = 0;
+  for (const ObjectPair* pair : due_) work += pair->place.last_tests + kTestsOfAnyWalk;
+  crew_.forEach(due_.size(), work >= kEnoughWork, [&](std::size_t i) { due_[i]->walk(world_); });
   for (ObjectPair* pair : due_) {
     pair->place.is_due = false;
+    pair->place.last_tests = pair->costs.node_tests;
     takeAway(*pair, queue);
     if (pair->isResting()) layDown(*pair);
   }
@@ -217,6 +343,7 @@ void PairTable::solve(Nanoseconds rest_known_ns, EventQueue& queue) {
     is_noted_[object] = 0;
   }
   noted_.clear();
+  if (broad_) broad_->forgetBefore(rest_known_ns);
 }
 
 void PairTable::takeAway(ObjectPair& pair, EventQueue& queue) {
@@ -289,6 +416,7 @@ void PairTable::beat() {
   for (const auto& pair : statics_)
     for (PairWatch& watch : pair->watches()) watch.clearAnswer();
   coverage_.beat(world_.time_line);
+  retire();
 }
 
 }  // namespace collision_node::scene

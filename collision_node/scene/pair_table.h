@@ -5,10 +5,13 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "collision_node/scene/broad_phase.h"
 #include "collision_node/scene/coverage.h"
+#include "collision_node/scene/crew.h"
 #include "collision_node/scene/event_queue.h"
 #include "collision_node/scene/heartbeat.h"
 #include "collision_node/scene/object_pair.h"
@@ -48,6 +51,10 @@ class PairTable {
 
  private:
   void addAllPairs();
+  void beginBroadPhase();
+  void meetOnes(int object, const std::vector<int>& others, Nanoseconds proved_ns);
+  void makeNear(int a, int b, Nanoseconds proved_ns);
+  void retire();
   void addPair(int a, int b);
   void wakeUp(int track);
   void makeDue(ObjectPair& pair);
@@ -56,11 +63,23 @@ class PairTable {
   void takeAway(ObjectPair& pair, EventQueue& queue);
   std::size_t settled(int track) const;
   Nanoseconds settledUntil(int track) const;
+  void goOnBehindProof(ObjectPair& pair, Nanoseconds proved_ns);
 
   PairWorld world_;
   Coverage coverage_;
   PairCounter counter_;
   std::vector<std::unique_ptr<ObjectPair>> pairs_, statics_;
+  // Many objects: pairs exist only where two may meet.
+  std::unique_ptr<BroadPhase> broad_;
+  std::unordered_map<std::uint64_t, ObjectPair*> near_;  ///< of pairs_, by both objects
+  struct Meeting {
+    int a, b;
+    Nanoseconds proved_ns;  ///< nothing is proved of what comes later
+  };
+  std::vector<Meeting> met_;  ///< since the last solve()
+  std::vector<std::unique_ptr<ObjectPair>> spare_;
+  std::vector<int> fixed_late_;
+  Crew crew_;
   std::vector<std::vector<ObjectPair*>> awake_;  ///< by object
   std::vector<WakeList> alarms_;                 ///< by object
   std::vector<ObjectPair*> due_;

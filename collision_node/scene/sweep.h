@@ -50,6 +50,8 @@ class LineQuestion {
     for (int i = 0; i < 3; ++i) inverse_[i] = 1.0 / (std::abs(way[i]) > 1e-300 ? way[i] : 1e-300);
   }
 
+  const Sweep& sweep() const { return sweep_; }
+
   bool meets(const Bounds& box) const {
     if (!meet(sweep_.box, box)) return false;
     double enter = 0.0, leave = 1.0;

@@ -71,6 +71,26 @@ TEST(EngineRest, RestingPairsChangeNoEventAndNoCountOnRandomScenes) {
               tally.events, tally.beats, tally.tests, tally.tests_of_all);
 }
 
+TEST(EngineRest, ManyObjectsWithABroadPhaseChangeNoEventAndNoCount) {
+  Tally tally;
+  for (unsigned seed = 101; seed <= 104 && !testing::Test::HasFailure(); ++seed) compare(seed, 60, tally);
+  EXPECT_GT(tally.events, 200u);
+  EXPECT_GT(tally.impact, 50u);
+}
+
+TEST(EngineRest, AnyNumberOfThreadsGivesTheSame) {
+  const RandomScene random(7, 60);
+  Rig one(random.scene, kCertified), three(random.scene, kCertified, {false, 3});
+  random.play(one);
+  random.play(three);
+  EXPECT_EQ(texts(three.events), texts(one.events));
+  ASSERT_EQ(texts(three.beats), texts(one.beats));
+  for (std::size_t i = 0; i < one.beats.size(); ++i) {
+    EXPECT_EQ(three.beats[i].pairs_culled, one.beats[i].pairs_culled);
+    EXPECT_EQ(three.beats[i].node_tests, one.beats[i].node_tests);
+  }
+}
+
 /// Pairs that count how often they are asked.
 Engine::MethodFactory counting(int* advances) {
   return [advances](const geometry::Body&, const geometry::Body&, const impact::PairOptions&) {

@@ -21,7 +21,7 @@ constexpr char kUsage[] =
     "  --data DIR   the published queries of the row \"linear\"; default: ../shared/data/ccd-queries beside "
     "the sources\n";
 
-constexpr char kLinear[] = "linear", kBody[] = "body";
+constexpr char kLinear[] = "linear", kBody[] = "body", kBroad[] = "broad";
 
 struct Options {
   std::vector<std::string> names;
@@ -49,7 +49,7 @@ bool parse(int argc, char** argv, Options& options) {
     }
   }
   for (const std::string& name : options.names) {
-    bool known = name == kLinear || name == kBody;
+    bool known = name == kLinear || name == kBody || name == kBroad;
     for (const Row& row : rows()) known = known || row.name == name;
     if (!known) return false;
   }
@@ -92,6 +92,10 @@ int main(int argc, char** argv) {
   }
   if (wantsRun(kBody)) {
     const std::vector<Line> more = bodyLines(options.only_ours);
+    lines.insert(lines.end(), more.begin(), more.end());
+  }
+  if (wantsRun(kBroad)) {
+    const std::vector<Line> more = broadLines(options.only_ours);
     lines.insert(lines.end(), more.begin(), more.end());
   }
   if (!options.list) print(lines);

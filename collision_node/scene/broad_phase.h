@@ -1,0 +1,85 @@
+/// Who may meet whom, among many objects: each object has stays, boxes that it is proved to be in for a
+/// stretch of time, in a tree of all that move; those that stand for ever are in a hierarchy of their own.
+///
+/// Guarantee (docs/broad_phase.md): two objects that no call of move() has named to each other, since the
+/// epoch began or since mayMeet() said no, are apart in all the time that both have been told of. No stamp of
+/// one object costs another anything: a stay lasts until its object leaves it, and fast objects have one
+/// thick line for each segment.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include "collision_node/motion/stamped_pose.h"
+#include "collision_node/scene/box_tree.h"
+#include "collision_node/scene/sweep.h"
+
+namespace collision_node::scene {
+
+using motion::Nanoseconds;
+
+class BroadPhase {
+ public:
+  explicit BroadPhase(std::size_t objects) : objects_(objects) {}
+
+  /// These objects stand in their boxes for ever, through all epochs. To be called once, before all others.
+  void stand(const std::vector<int>& objects, const std::vector<Bounds>& boxes);
+  /// Standing objects whose boxes meet `box`.
+  const std::vector<int>& standingNear(const Bounds& box);
+
+  /// Nothing is known of those that move.
+  void startEpoch();
+
+  /// From `from_ns` to `to_ns` the object is within `sweep`; before that, unless it `begins_anew`, it was
+  /// within the sweep of its last call, which ended at `from_ns`. Returns whom it may meet that it was told
+  /// apart from until now; the list holds until the next call.
+  const std::vector<int>& move(int object, const Sweep& sweep, Nanoseconds from_ns, Nanoseconds to_ns,
+                               bool begins_anew);
+  /// From `from_ns` on the object is within `box`, until its next call.
+  const std::vector<int>& stay(int object, const Bounds& box, Nanoseconds from_ns);
+  /// False when the object has left its last box, or its last call ended with its segment.
+  bool isStaying(int object) const { return objects_[object].open >= 0; }
+
+  /// All objects have been told of up to `ns`: who comes later has nothing to do with what was before.
+  void forgetBefore(Nanoseconds ns);
+
+  /// Stays of these two meet in space and time.
+  bool mayMeet(int a, int b) const;
+
+ private:
+  struct Stay {
+    int object;
+    Nanoseconds from_ns, to_ns;
+    std::int32_t leaf;
+  };
+  struct Object {
+    std::vector<std::int32_t> stays;
+    std::int32_t open = -1;      ///< the stay that lasts
+    std::int32_t standing = -1;  ///< into standing_
+  };
+
+  void begin(int object, const Bounds& box, Nanoseconds from_ns, Nanoseconds to_ns, bool lasts);
+  void close(int object, Nanoseconds ns);
+  template <typename Question>
+  void ask(int object, const Question& question, Nanoseconds from_ns, Nanoseconds to_ns);
+  template <typename Question>
+  void askStanding(const Question& question);
+
+  std::vector<Object> objects_;
+  BoxTree tree_;
+  std::vector<Stay> stays_;
+  std::vector<std::int32_t> free_stays_;
+  using Ending = std::pair<Nanoseconds, std::int32_t>;
+  std::priority_queue<Ending, std::vector<Ending>, std::greater<>> endings_;  ///< of stays that are over
+  std::vector<Bounds> standing_;
+  std::vector<int> standing_objects_;
+  geometry::Bvh standing_tree_;
+  Vec3 standing_far_ = Vec3::Zero();  ///< from the hierarchy's origin to its farthest plane, by axis [m]
+  std::vector<int> found_;
+  std::vector<std::int32_t> waiting_;
+};
+
+}  // namespace collision_node::scene

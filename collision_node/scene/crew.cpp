@@ -1,0 +1,28 @@
+#include "collision_node/scene/crew.h"
+
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+
+namespace collision_node::scene {
+
+struct Crew::Arena {
+  explicit Arena(int threads) : arena(std::min(threads, tbb::info::default_concurrency())) {}
+  tbb::task_arena arena;
+};
+
+Crew::Crew(int threads) : threads_(std::max(1, threads)) {}
+Crew::~Crew() = default;
+
+void Crew::forEach(std::size_t count, bool is_enough, const std::function<void(std::size_t)>& work) {
+  if (threads_ == 1 || !is_enough || count < 2) {
+    for (std::size_t i = 0; i < count; ++i) work(i);
+    return;
+  }
+  if (!arena_) arena_ = std::make_unique<Arena>(threads_);
+  arena_->arena.execute([&] { tbb::parallel_for(std::size_t{0}, count, work); });
+}
+
+}  // namespace collision_node::scene
