@@ -97,10 +97,9 @@ class PaperSampled : public Contestant {
     const double around = particle.radius() / std::sqrt(speed2);
     const double from = std::max(0.0, reached - around),
                  to = std::min(durationOf(query.piece), reached + around);
-    test_.begin(query);
     for (int i = 0; i <= kSamples; ++i) {
       const double t = from + (to - from) * i / kSamples;
-      if (!test_.touching(t)) continue;
+      if (!test_.touching(query, t)) continue;
       Answer answer = answerOf(*event);
       answer.toi_lower = answer.toi_upper = t;
       return answer;

@@ -13,10 +13,9 @@ class Sampled : public Contestant {
 
   Answer answer(const Query& query) override {
     const double duration = durationOf(query.piece);
-    test_.begin(query);
     for (int i = 0; i <= steps_; ++i) {
       const double t = duration * i / steps_;
-      if (test_.touching(t)) return hitAt(t);
+      if (test_.touching(query, t)) return hitAt(t);
     }
     return clear();
   }

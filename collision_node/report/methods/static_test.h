@@ -3,11 +3,10 @@
 #pragma once
 
 #include <limits>
-#include <optional>
 
 #include "collision_node/impact/pair_piece.h"
 #include "collision_node/impact/search.h"
-#include "collision_node/report/query_sets.h"
+#include "collision_node/report/methods/peer_models.h"
 
 namespace collision_node::report {
 
@@ -15,23 +14,22 @@ class StaticTest {
  public:
   explicit StaticTest(const QuerySet& set) : set_(set) {}
 
-  /// The instants asked for from now on are those of `query`.
-  void begin(const Query& query) {
-    search_.reset();
-    piece_.emplace(*set_.bodies[query.a], *set_.bodies[query.b], query.piece, 0.0);
-    search_.emplace(*piece_, std::numeric_limits<std::uint64_t>::max(), workspace_);
-  }
-
   /// The certified solver's proof for one instant, `seconds` after the piece's start. What it cannot decide
   /// (bodies nearer than its rounding) counts as touching.
-  bool touching(double seconds) { return search_->classify(seconds, &witness_) != impact::Proved::kApart; }
+  bool touching(const Query& query, double seconds) {
+    impact::Piece still;
+    still.end_ns = 1;
+    still.a = motion::fixedAt(placeA(query.piece, seconds));
+    still.b = motion::fixedAt(placeB(query.piece, seconds));
+    const impact::PairPiece piece(*set_.bodies[query.a], *set_.bodies[query.b], still, 0.0);
+    impact::Search search(piece, std::numeric_limits<std::uint64_t>::max(), workspace_);
+    return search.classify(0.0, &witness_) != impact::Proved::kApart;
+  }
 
  private:
   const QuerySet& set_;
   impact::Workspace workspace_;
   impact::ContactWitness witness_;
-  std::optional<impact::PairPiece> piece_;
-  std::optional<impact::Search> search_;
 };
 
 }  // namespace collision_node::report

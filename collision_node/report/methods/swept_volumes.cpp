@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "collision_node/report/methods/own_methods.h"
 #include "collision_node/report/methods/peer_models.h"
@@ -10,11 +12,11 @@ namespace {
 
 using geometry::Vec3;
 
-constexpr int kChords = 64;  // of the centres' paths: cheap beside a single static test
+constexpr int kSwept = 8;     ///< chords of the centres' paths whose swept balls are tested
+constexpr int kWatched = 64;  ///< parts of the piece in which the balls are watched
 
 double segmentDistance(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e) {
-  // Along each segment in turn; three rounds settle what two segments need (convex in both parameters).
-  double s = 0.0, u = 0.0;
+  // The four ends against the other segment, and the common perpendicular where it falls inside both.
   const auto along = [](const Vec3& from, const Vec3& way, const Vec3& to) {
     const double length2 = way.squaredNorm();
     return length2 > 0.0 ? std::clamp((to - from).dot(way) / length2, 0.0, 1.0) : 0.0;
@@ -25,8 +27,8 @@ double segmentDistance(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& 
   const double a = d.squaredNorm(), b = d.dot(e), c = e.squaredNorm(), det = a * c - b * b;
   if (det > 0.0) {
     const Vec3 r = q - p;
-    s = (r.dot(d) * c - r.dot(e) * b) / det;
-    u = (r.dot(d) * b - r.dot(e) * a) / det;
+    const double s = (r.dot(d) * c - r.dot(e) * b) / det;
+    const double u = (r.dot(d) * b - r.dot(e) * a) / det;
     if (s >= 0.0 && s <= 1.0 && u >= 0.0 && u <= 1.0) best = std::min(best, (p + s * d - q - u * e).norm());
   }
   return best;
@@ -41,50 +43,60 @@ class SweptVolumes : public Contestant {
   Answer answer(const Query& query) override {
     const geometry::Body &a = *set_.bodies[query.a], &b = *set_.bodies[query.b];
     const double duration = durationOf(query.piece), reach = a.radius() + b.radius();
-    Vec3 centre_a[kChords + 1], centre_b[kChords + 1];
-    for (int i = 0; i <= kChords; ++i) {
-      const double t = duration * i / kChords;
-      centre_a[i] = placeA(query.piece, t) * a.centre();
-      centre_b[i] = placeB(query.piece, t) * b.centre();
-    }
-    if (!sweptVolumesMeet(centre_a, centre_b, reach)) return clear();
-    const auto [from, to] = spheresMeet(centre_a, centre_b, reach);
+    const auto centreA = [&](double share) { return placeA(query.piece, share * duration) * a.centre(); };
+    const auto centreB = [&](double share) { return placeB(query.piece, share * duration) * b.centre(); };
+    if (!meet(sweep(centreA), sweep(centreB), reach)) return clear();
+    const auto [from, to] = whenBallsMeet(centreA, centreB, reach);
     if (from > to) return clear();
-    test_.begin(query);
     for (int i = 0; i <= samples_; ++i) {
       const double t = duration * (from + (to - from) * i / samples_);
-      if (test_.touching(t)) return hitAt(t);
+      if (test_.touching(query, t)) return hitAt(t);
     }
     return clear();
   }
 
  private:
-  /// Chains of capsules, each as long as a chord of the path.
-  static bool sweptVolumesMeet(const Vec3* a, const Vec3* b, double reach) {
-    for (int i = 0; i < kChords; i += 8) {
-      for (int j = 0; j < kChords; j += 8) {
-        const double bulge = bulgeOf(a + i) + bulgeOf(b + j);
-        if (segmentDistance(a[i], a[i + 8] - a[i], b[j], b[j + 8] - b[j]) <= reach + bulge) return true;
+  /// A chord of a centre's path, and how far the path strays from it.
+  struct Chord {
+    Vec3 from, way;
+    double bulge;
+  };
+  using Sweep = std::array<Chord, kSwept>;
+
+  template <typename Centre>
+  static Sweep sweep(const Centre& centre) {
+    Sweep chords;
+    Vec3 from = centre(0.0);
+    for (int i = 0; i < kSwept; ++i) {
+      const Vec3 to = centre((i + 1.0) / kSwept), middle = centre((i + 0.5) / kSwept);
+      chords[i] = {from, to - from, 1.2 * (middle - 0.5 * (from + to)).norm()};
+      from = to;
+    }
+    return chords;
+  }
+  static bool meet(const Sweep& a, const Sweep& b, double reach) {
+    for (const Chord& p : a) {
+      for (const Chord& q : b) {
+        if (segmentDistance(p.from, p.way, q.from, q.way) <= reach + p.bulge + q.bulge) return true;
       }
     }
     return false;
   }
-  /// How far the path strays from its chord of eight parts, by the points between.
-  static double bulgeOf(const Vec3* path) {
-    double most = 0.0;
-    for (int k = 1; k < 8; ++k)
-      most = std::max(most, (path[k] - path[0] - k / 8.0 * (path[8] - path[0])).norm());
-    return 1.1 * most;
-  }
-  /// The share of the piece in which the bounding spheres meet, to a chord; empty: from > to.
-  static std::pair<double, double> spheresMeet(const Vec3* a, const Vec3* b, double reach) {
-    int first = kChords + 1, last = -1;
-    for (int i = 0; i < kChords; ++i) {
-      const Vec3 start = b[i] - a[i], way = b[i + 1] - a[i + 1] - start;
-      if (segmentDistance(start, way, Vec3::Zero(), Vec3::Zero()) > 1.05 * reach) continue;
-      first = std::min(first, i), last = i + 1;
+  /// The share of the piece in which the bounding balls meet, to one of its parts; empty: from > to.
+  template <typename CentreA, typename CentreB>
+  static std::pair<double, double> whenBallsMeet(const CentreA& a, const CentreB& b, double reach) {
+    std::pair<double, double> when = {2.0, -1.0};
+    Vec3 start = b(0.0) - a(0.0);
+    for (int i = 0; i < kWatched; ++i) {
+      const double to = (i + 1.0) / kWatched;
+      const Vec3 end = b(to) - a(to);
+      if (segmentDistance(start, end - start, Vec3::Zero(), Vec3::Zero()) <= 1.05 * reach) {
+        when.first = std::min(when.first, static_cast<double>(i) / kWatched);
+        when.second = to;
+      }
+      start = end;
     }
-    return {static_cast<double>(first) / kChords, static_cast<double>(last) / kChords};
+    return when;
   }
 
   const QuerySet& set_;

@@ -21,7 +21,8 @@ using geometry::Vec3;
 
 Tank loadTank() {
   // The checkout that this program was built in, else the package path.
-  const scene::Resources here = messages::makeResources(std::filesystem::canonical("/proc/self/exe").string());
+  const scene::Resources here =
+      messages::makeResources(std::filesystem::canonical("/proc/self/exe").string());
   const std::string package = here.package_path("collision_node");
   if (package.empty()) {
     throw std::runtime_error("the package collision_node is not in ROS_PACKAGE_PATH: source its setup.bash");
@@ -52,10 +53,16 @@ Tank loadTank() {
         add(placed.origin * v[t[0]], placed.origin * v[t[1]], placed.origin * v[t[2]], i);
       }
     }
-    for (const auto& t : impact::tessellatePrimitives(body)) add(t.corners[0], t.corners[1], t.corners[2], i);
+    for (const auto& t : impact::tessellatePrimitives(body)) {
+      // Convex, so outward is away from the middle; a solid needs all its triangles to face outward.
+      const Vec3 &p = t.corners[0], &q = t.corners[1], &r = t.corners[2];
+      const bool outward = (q - p).cross(r - p).dot(p - body.shapes()[t.shape].origin.position) > 0.0;
+      add(p, outward ? q : r, outward ? r : q, i);
+    }
   }
   tank.mesh = std::make_shared<geometry::TriangleMesh>(geometry::makeTriangleMesh(
       std::move(corners), std::move(triangles), geometry::SolidChoice::kAuto, "tank"));
+  if (!tank.mesh->solid) throw std::runtime_error(file + ": the tank as one mesh is not closed");
   return tank;
 }
 
