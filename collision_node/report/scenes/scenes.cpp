@@ -17,7 +17,7 @@ std::vector<SceneMaker> allScenes() {
       {100, 10, ballistic},
       {60, 8, largeOffset},
       {40, 4, highSpin},
-      {1128, 200, swarm},
+      {1128, 1128, swarm},
   };
 }
 
