@@ -4,8 +4,9 @@ rational arithmetic finds must be in a bracket of the replay's, and nothing else
 
     balls.py path/to/replay FIRST_SEED COUNT
 
-Between two stamps a centre moves on a straight line, so the squared distance of two centres is a quadratic with
-rational coefficients on each common piece; only its roots are rounded, to 60 digits. Prints the seed of each fault.
+Between two stamps a centre moves on a straight line (PoseStamped) or on the cubic of its twists (Odometry, `hermite`), so
+the squared distance of two centres is a polynomial with rational coefficients on each common piece; only its roots are
+rounded, to 60 digits. Prints the seed of each fault.
 """
 
 import decimal
@@ -16,30 +17,34 @@ import subprocess
 import sys
 import tempfile
 from fractions import Fraction
+from math import comb
 
 import rosbag
 import rospy
 from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Odometry
 
 decimal.getcontext().prec = 60
 MAX_GAP_NS = 10**9  # the scene's default
 
 
 class Ball:
-    """A radius and poses [(stamp in ns, centre, quaternion)]."""
+    """A radius and poses [(stamp in ns, centre, quaternion, velocity in the world)]."""
 
     def __init__(self, rng, offset, room, start_ns, end_ns):
         self.radius = rng.choice([0.0, 0.05, 0.3, 1.0])
         self.poses = []
+        self.hermite = rng.random() < 0.4
         rests = rng.random() < 0.15
         rate = rng.choice([5, 10, 30, 100])
         centre = [offset[k] + rng.uniform(-room, room) for k in range(3)]
         velocity = [0.0 if rests else rng.gauss(0.0, rng.choice([1, 20, 200])) for _ in range(3)]
         stamp = start_ns + rng.randrange(3 * 10**8)
         while stamp < end_ns:
-            turn = [rng.gauss(0.0, 1.0) for _ in range(4)]
+            # Halves make a rotation that permutes the axes: exact, so that the twist in the world is too.
+            turn = [rng.choice([-0.5, 0.5]) if self.hermite else rng.gauss(0.0, 1.0) for _ in range(4)]
             length = sum(x * x for x in turn) ** 0.5
-            self.poses.append((stamp, tuple(centre), tuple(x / length for x in turn)))
+            self.poses.append((stamp, tuple(centre), tuple(x / length for x in turn), tuple(velocity)))
             step = 12 * 10**8 if rng.random() < 0.02 else int(1e9 / rate * rng.uniform(0.3, 1.7))
             stamp += step
             for k in range(3):
@@ -58,48 +63,81 @@ class Ball:
         yield stretch
 
 
-def line(stretch, begin_ns):
-    """Centre at `begin_ns` and velocity per ns on the segment that begins there or holds it, exactly."""
+def path(ball, stretch, begin_ns):
+    """The centre as three polynomials in seconds from `begin_ns`, on the segment that begins there or holds it."""
     before, after = next(s for s in zip(stretch, stretch[1:]) if s[0][0] <= begin_ns < s[1][0])
-    duration = Fraction(after[0] - before[0])
-    velocity = [(Fraction(q) - Fraction(p)) / duration for p, q in zip(before[1], after[1])]
-    return [Fraction(p) + v * (begin_ns - before[0]) for p, v in zip(before[1], velocity)], velocity
+    h, late = Fraction(after[0] - before[0], 10**9), Fraction(begin_ns - before[0], 10**9)
+    axes = []
+    for k in range(3):
+        p, q = Fraction(before[1][k]), Fraction(after[1][k])
+        mean = (q - p) / h
+        first, last = (Fraction(before[3][k]), Fraction(after[3][k])) if ball.hermite else (mean, mean)
+        c = [p, first, (3 * mean - 2 * first - last) / h, (first + last - 2 * mean) / h**2]
+        axes.append([sum(c[n] * comb(n, m) * late**(n - m) for n in range(m, 4)) for m in range(4)])
+    return axes
 
 
-def roots(centre, velocity, distance):
-    """Times [ns] at which a point on this line enters and leaves a ball round the origin; none where it grazes."""
-    a = sum(v * v for v in velocity)
-    b = sum(c * v for c, v in zip(centre, velocity))
-    c = sum(x * x for x in centre) - distance * distance
-    if a == 0 or b * b <= a * c:
+def value(polynomial, x):
+    result = decimal.Decimal(0)
+    for c in reversed(polynomial):
+        result = result * x + c
+    return result
+
+
+def roots(polynomial, end):
+    """Where a polynomial changes its sign in (0, end], ascending: bisected between the roots of its derivative."""
+    if len(polynomial) < 2:
         return []
-    exact = [decimal.Decimal(x.numerator) / decimal.Decimal(x.denominator) for x in (a, b, b * b - a * c)]
-    return [('IMPACT', (-exact[1] - exact[2].sqrt()) / exact[0]), ('SEPARATION', (-exact[1] + exact[2].sqrt()) / exact[0])]
+    turns = roots([n * c for n, c in enumerate(polynomial)][1:], end)
+    found = []
+    for low, high in zip([decimal.Decimal(0)] + turns, turns + [end]):
+        rises = value(polynomial, high) > 0
+        if rises == (value(polynomial, low) > 0):
+            continue
+        for _ in range(170):
+            middle = (low + high) / 2
+            if (value(polynomial, middle) > 0) == rises:
+                high = middle
+            else:
+                low = middle
+        found.append(high)
+    return found
 
 
-def stretch_changes(a, b, distance):
+def beyond(path_a, path_b, distance):
+    """Squared distance of the centres minus the squared distance that touches, as a polynomial."""
+    squared = [Fraction(0)] * 7
+    squared[0] = -distance * distance
+    for p, q in zip(path_a, path_b):
+        apart = [y - x for x, y in zip(p, q)]
+        for i, c in enumerate(apart):
+            for j, d in enumerate(apart):
+                squared[i + j] += c * d
+    return squared
+
+
+def stretch_changes(ball_a, ball_b, a, b, distance):
     """[(kind, time in ns)] on two stretches; a contact that the data leave open has kind OPEN, at their end."""
     start, end = max(a[0][0], b[0][0]), min(a[-1][0], b[-1][0])
     knots = sorted({pose[0] for pose in a + b if start <= pose[0] <= end})
-    changes, touching = [], None
+    found, touching = [], None
     for begin, until in zip(knots, knots[1:]):
-        (centre_a, velocity_a), (centre_b, velocity_b) = line(a, begin), line(b, begin)
-        centre = [q - p for p, q in zip(centre_a, centre_b)]
+        exact = beyond(path(ball_a, a, begin), path(ball_b, b, begin), distance)
         if touching is None:
-            touching = sum(x * x for x in centre) <= distance * distance
+            touching = exact[0] <= 0
             if touching:
-                changes.append(('INITIAL_OVERLAP', decimal.Decimal(begin)))
-        for kind, late in roots(centre, [q - p for p, q in zip(velocity_a, velocity_b)], distance):
-            if 0 < late <= until - begin and touching == (kind == 'SEPARATION'):
-                touching = not touching
-                changes.append((kind, begin + late))
-    return changes + [('OPEN', decimal.Decimal(end))] if touching else changes
+                found.append(('INITIAL_OVERLAP', decimal.Decimal(begin)))
+        rounded = [decimal.Decimal(c.numerator) / decimal.Decimal(c.denominator) for c in exact]
+        for root in roots(rounded, decimal.Decimal(until - begin) / 10**9):
+            touching = not touching
+            found.append(('IMPACT' if touching else 'SEPARATION', begin + root * 10**9))
+    return found + [('OPEN', decimal.Decimal(end))] if touching else found
 
 
 def changes(a, b, contact_distance):
     distance = Fraction(a.radius) + Fraction(b.radius) + Fraction(contact_distance)
     return [change for run_a in a.runs() for run_b in b.runs()
-            for change in stretch_changes(run_a, run_b, distance)]
+            for change in stretch_changes(a, b, run_a, run_b, distance)]
 
 
 def make_world(rng):
@@ -111,20 +149,34 @@ def make_world(rng):
     return balls, rng.choice([0.0, 0.0, 0.1])
 
 
+def to_child(q, v):
+    """A vector of the world in the axes of a frame with quaternion q."""
+    x, y, z, w = q
+    return ((1 - 2 * (y * y + z * z)) * v[0] + 2 * (x * y + z * w) * v[1] + 2 * (x * z - y * w) * v[2],
+            2 * (x * y - z * w) * v[0] + (1 - 2 * (x * x + z * z)) * v[1] + 2 * (y * z + x * w) * v[2],
+            2 * (x * z + y * w) * v[0] + 2 * (y * z - x * w) * v[1] + (1 - 2 * (x * x + y * y)) * v[2])
+
+
+def message_of(ball, stamp, centre, turn, velocity):
+    message = Odometry() if ball.hermite else PoseStamped()
+    message.header.frame_id = 'world'
+    message.header.stamp = rospy.Time(stamp // 10**9, stamp % 10**9)
+    pose = message.pose
+    if ball.hermite:
+        pose = message.pose.pose
+        linear = message.twist.twist.linear
+        linear.x, linear.y, linear.z = to_child(turn, velocity)
+    pose.position.x, pose.position.y, pose.position.z = centre
+    pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w = turn
+    return message
+
+
 def write_bag(path, rng, balls):
     """Every pose arrives up to 50 ms late, so that streams mix and overtake themselves within `reorder`."""
-    arrivals = []
-    for name, ball in balls.items():
-        for stamp, centre, turn in ball.poses:
-            message = PoseStamped()
-            message.header.frame_id = 'world'
-            message.header.stamp = rospy.Time(stamp // 10**9, stamp % 10**9)
-            position, quaternion = message.pose.position, message.pose.orientation
-            position.x, position.y, position.z = centre
-            quaternion.x, quaternion.y, quaternion.z, quaternion.w = turn
-            arrivals.append((stamp + rng.randrange(5 * 10**7), name, message))
+    arrivals = sorted(((pose[0] + rng.randrange(5 * 10**7), name, message_of(ball, *pose))
+                       for name, ball in balls.items() for pose in ball.poses), key=lambda arrival: arrival[:2])
     with rosbag.Bag(str(path), 'w') as bag:
-        for received, name, message in sorted(arrivals, key=lambda arrival: arrival[:2]):
+        for received, name, message in arrivals:
             bag.write('/' + name, message, rospy.Time(received // 10**9, received % 10**9))
 
 
@@ -132,7 +184,8 @@ def scene_text(balls, contact_distance):
     lines = ['pairs: {contact_distance: %r}' % contact_distance, 'objects:']
     for name, ball in balls.items():
         shape = 'sphere: {radius: %r}' % ball.radius if ball.radius else 'point: {}'
-        lines.append('  %s: {%s, pose: {topic: %s}}' % (name, shape, name))
+        motion = 'hermite' if ball.hermite else 'slerp'
+        lines.append('  %s: {%s, pose: {topic: %s}, motion: %s}' % (name, shape, name, motion))
     return '\n'.join(lines) + '\n'
 
 
