@@ -10,9 +10,11 @@ using namespace collision_node::report;
 
 /// Each truth within what both say they may be off.
 void agree(const Trials& closed, const std::vector<Truth>& marched) {
-  std::size_t hits = 0;
+  std::size_t hits = 0, judged = 0;
   for (std::size_t i = 0; i < marched.size(); ++i) {
     const Truth &c = closed.truths[i], &m = marched[i];
+    if (m.verdict == Verdict::kUndecided) continue;  // so near that its steps ran out
+    ++judged;
     ASSERT_EQ(c.verdict, m.verdict) << closed.name << " " << i;
     if (c.verdict != Verdict::kHit) continue;
     ++hits;
@@ -20,12 +22,13 @@ void agree(const Trials& closed, const std::vector<Truth>& marched) {
     const double off = (c.point - m.point).norm();
     EXPECT_FALSE(off > c.point_error + m.point_error) << closed.name << " " << i << ": off by " << off;
   }
-  EXPECT_GT(hits, marched.size() / 4) << closed.name;
-  EXPECT_LT(hits, marched.size()) << closed.name;
+  EXPECT_GT(hits, marched.size() / 8) << closed.name;
+  EXPECT_LT(hits, judged) << closed.name;
 }
 
 TEST(MarchedTruth, agrees_with_the_closed_forms_also_where_they_graze) {
-  for (const Trials& closed : {grazingSpheres(30), grazingTip(8)}) agree(closed, marchedTruths(closed.set));
+  for (const Trials& closed : {grazingSpheres(60), grazingTip(30)})
+    agree(closed, marchedTruths(closed.set, 30000));
 }
 
 TEST(MarchedTruth, knows_what_starts_inside_and_what_never_meets) {
