@@ -21,6 +21,11 @@ namespace collision_node::scene {
 
 using motion::Nanoseconds;
 
+struct Scene;
+
+/// Many objects, and no list of who matters: pairs exist only where two may meet.
+bool hasBroadPhase(const Scene& scene);
+
 class BroadPhase {
  public:
   explicit BroadPhase(std::size_t objects) : objects_(objects) {}

@@ -9,15 +9,9 @@ namespace {
 
 constexpr Nanoseconds kForEver = std::numeric_limits<Nanoseconds>::max();
 constexpr Nanoseconds kAlways = std::numeric_limits<Nanoseconds>::min();
-/// Up to here every pair exists from the start: looking for neighbours would cost more than it saves.
-constexpr std::size_t kFewObjects = 48;
 /// Node tests, about a millisecond's: less is not worth waking another thread for.
 constexpr std::uint64_t kEnoughWork = 4000;
 constexpr std::uint64_t kTestsOfAnyWalk = 40;
-
-std::uint64_t keyOf(int a, int b) {
-  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32) | static_cast<std::uint32_t>(b);
-}
 
 impact::PairOptions optionsOf(const Scene& scene) {
   impact::PairOptions options;
@@ -66,84 +60,11 @@ PairTable::PairTable(const Scene& scene, const TimeLine& time_line, const Engine
       is_noted_(scene.objects.size(), 0) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (scene.objects[i].on_timeout == OnTimeout::kFreeze) freezing_.push_back(static_cast<int>(i));
-  if (world_.may_rest && scene.pairs.watchesRest() && scene.objects.size() > kFewObjects) {
+  if (world_.may_rest && hasBroadPhase(scene)) {
     beginBroadPhase();
   } else {
     addAllPairs();
   }
-}
-
-// ---- which pairs exist
-
-void PairTable::beginBroadPhase() {
-  const int count = static_cast<int>(world_.scene.objects.size());
-  broad_ = std::make_unique<BroadPhase>(world_.scene.objects.size());
-  std::vector<int> standing;
-  std::vector<Bounds> boxes;
-  for (int object = 0; object < count; ++object) {
-    if (world_.scene.pairs.countBetween(world_.scene.objects, object, object) > 0) addPair(object, object);
-    if (!world_.track(object).isFixed()) continue;
-    standing.push_back(object);
-    boxes.push_back(world_.travellers[object].standingBox());
-  }
-  broad_->stand(standing, boxes);
-  for (std::size_t i = 0; i < standing.size(); ++i)
-    for (const int other : broad_->standingNear(boxes[i]))
-      if (standing[i] < other) addPair(standing[i], other);
-}
-
-void PairTable::meetOnes(int object, const std::vector<int>& others, Nanoseconds proved_ns) {
-  for (const int other : others)
-    met_.push_back({std::min(object, other), std::max(object, other), proved_ns});
-}
-
-void PairTable::makeNear(int a, int b, Nanoseconds proved_ns) {
-  if (near_.count(keyOf(a, b)) != 0 || world_.scene.pairs.countBetween(world_.scene.objects, a, b) == 0)
-    return;
-  if (world_.track(a).isFixed() && world_.track(b).isFixed()) return;  // among the statics
-  if (spare_.empty()) {
-    pairs_.push_back(std::make_unique<ObjectPair>(a, b));
-  } else {
-    pairs_.push_back(std::move(spare_.back()));
-    spare_.pop_back();
-    pairs_.back()->become(a, b);
-  }
-  ObjectPair& pair = *pairs_.back();
-  near_[keyOf(a, b)] = &pair;
-  goOnBehindProof(pair, proved_ns);
-}
-
-/// Pairs that rest, and whose stays have nothing to do with each other any more.
-void PairTable::retire() {
-  if (!broad_) return;
-  for (std::size_t i = 0; i < pairs_.size();) {
-    ObjectPair& pair = *pairs_[i];
-    if (!pair.isResting() || broad_->mayMeet(pair.a(), pair.b())) {
-      ++i;
-      continue;
-    }
-    near_.erase(keyOf(pair.a(), pair.b()));
-    ++pair.place.nap;
-    spare_.push_back(std::move(pairs_[i]));
-    pairs_[i] = std::move(pairs_.back());
-    pairs_.pop_back();
-  }
-}
-
-void PairTable::addAllPairs() {
-  const int count = static_cast<int>(world_.scene.objects.size());
-  if (!world_.scene.pairs.watchesRest()) {
-    for (const auto& [key, verdicts] : world_.scene.pairs.exceptions()) addPair(key.first, key.second);
-    return;
-  }
-  for (int a = 0; a < count; ++a)
-    for (int b = a; b < count; ++b) addPair(a, b);
-}
-
-void PairTable::addPair(int a, int b) {
-  if (world_.scene.pairs.countBetween(world_.scene.objects, a, b) == 0) return;
-  const bool is_static = a == b || (world_.track(a).isFixed() && world_.track(b).isFixed());
-  (is_static ? statics_ : pairs_).push_back(std::make_unique<ObjectPair>(a, b));
 }
 
 void PairTable::startEpoch() {
@@ -203,33 +124,6 @@ void PairTable::note(int object) {
     meetOnes(object, broad_->stay(object, grown(at, traveller.radius()), last.pose.stamp_ns),
              last.pose.stamp_ns);
   }
-}
-
-void PairTable::fix(int object) {
-  const Track& track = world_.track(object);
-  const motion::RigidMotion rest = track.restAt(track.firstIndex());
-  world_.travellers[object].standAt({rest.c[0], rest.q0});
-  untested_ = true;
-  if (broad_) {
-    fixed_late_.push_back(object);
-    for (const int other : broad_->stay(object, world_.travellers[object].standingBox(), kAlways)) {
-      if (world_.track(other).isFixed()) {
-        addPair(std::min(object, other), std::max(object, other));
-      } else {
-        met_.push_back({std::min(object, other), std::max(object, other), track.stamp(track.firstIndex())});
-      }
-    }
-  }
-  const auto stands = [&](const std::unique_ptr<ObjectPair>& pair) {
-    return world_.track(pair->a()).isFixed() && world_.track(pair->b()).isFixed();
-  };
-  const auto first =
-      std::stable_partition(pairs_.begin(), pairs_.end(), [&](const auto& pair) { return !stands(pair); });
-  for (auto at = first; at != pairs_.end(); ++at) {
-    layDown(**at);
-    statics_.push_back(std::move(*at));
-  }
-  pairs_.erase(first, pairs_.end());
 }
 
 // ---- who is awake

@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <cmath>
 #include <locale>
 #include <map>
 #include <set>
 #include <sstream>
 
+#include "collision_node/scene/broad_phase.h"
 #include "collision_node/scene/map_reader.h"
 #include "collision_node/scene/scene.h"
 
@@ -148,6 +150,7 @@ class Plan {
     out_ << "\nobjects (" << scene_.objects.size() << "):\n";
     for (const Object& object : scene_.objects) writeObject(object);
     writePairs();
+    writeFarPairs();
     writeUnwatched();
     writeLeftOut();
     out_ << "\nwarnings (" << scene_.warnings.size() << "):\n";
@@ -211,6 +214,31 @@ class Plan {
     return kinds.size() == 1 ? text : "{" + text + "}";
   }
 
+  /// A point or a sphere past nothing but triangles has a solver of its own: see StraightPath::of.
+  static bool walksAlongPath(const Link& a, const Link& b) {
+    const auto isVertex = [](const Link& link) {
+      return link.shapes.size() == 1 && (std::holds_alternative<geo::Point>(link.shapes[0].shape) ||
+                                         std::holds_alternative<geo::Sphere>(link.shapes[0].shape));
+    };
+    const auto isMesh = [](const Link& link) {
+      return std::all_of(link.shapes.begin(), link.shapes.end(), [](const geo::PlacedShape& shape) {
+        return std::holds_alternative<geo::Mesh>(shape.shape);
+      });
+    };
+    return (isVertex(a) && isMesh(b)) || (isMesh(a) && isVertex(b));
+  }
+
+  void writeFarPairs() {
+    const std::size_t count = scene_.objects.size();
+    out_ << "far pairs: not solved until their objects have travelled what keeps them apart; ";
+    if (hasBroadPhase(scene_)) {
+      out_ << "broad phase: of " << count << " objects, pairs exist only where two may meet\n";
+    } else {
+      out_ << "no broad phase: " << (scene_.pairs.watchesRest() ? "few objects" : "pairs/only lists them")
+           << ", every pair exists\n";
+    }
+  }
+
   void writePairs() {
     const std::uint64_t count = scene_.pairs.count(scene_.objects);
     out_ << "\npairs watched (" << count << "):\n";
@@ -224,6 +252,8 @@ class Plan {
       const Object& b = scene_.objects[pair.object_b];
       out_ << "  " << nameOf(pair.object_a, pair.link_a) << " x " << nameOf(pair.object_b, pair.link_b)
            << ": certified: " << kindsOf(a.links[pair.link_a]) << " x " << kindsOf(b.links[pair.link_b]);
+      if (walksAlongPath(a.links[pair.link_a], b.links[pair.link_b]))
+        out_ << ", along the path while it is straight and the mesh does not turn";
       if (pair.object_a == pair.object_b) {
         out_ << ", links of one object: one static test";
       } else if (isFixed(a) && isFixed(b)) {

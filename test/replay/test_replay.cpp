@@ -76,6 +76,14 @@ TEST_F(Replay, sameBagSameSceneSameBytes) {
     EXPECT_TRUE(bytes[0][part] == bytes[1][part]) << part;
 }
 
+TEST_F(Replay, planFullGivesTheSameEvents) {
+  const Outcome full = replayed({scene_, bag_, "--plan", "full", "--jsonl", "-"});
+  EXPECT_EQ(full.code, 0) << full.err;
+  EXPECT_EQ(full.out, replayed({scene_, bag_, "--jsonl", "-"}).out);
+  EXPECT_EQ(full.out, replayed({scene_, bag_, "--plan=full", "--jsonl", "-"}).out);
+  EXPECT_EQ(replayed({scene_, bag_, "--plan=some"}).code, 2);
+}
+
 TEST_F(Replay, theResultBagHoldsResultsAndInputs) {
   ASSERT_EQ(replayed({scene_, bag_, "--out", path("out.bag")}).code, 0);
   rosbag::Bag bag(path("out.bag"));
