@@ -13,6 +13,21 @@ constexpr Nanoseconds kForEver = std::numeric_limits<Nanoseconds>::max();
 /// How much larger than its object a lasting stay is, in radii: what is paid in neighbours that are not near
 /// is saved in moves that change nothing.
 constexpr double kRoom = 0.5;
+/// And how many such segments more it has room for ahead, but no farther than so many radii.
+constexpr double kSegmentsAhead = 8.0, kRadiiAhead = 2.0;
+
+/// A box for an object that may go on as it does. Any box that holds the sweep is right.
+Bounds roomFor(const Sweep& sweep) {
+  Bounds box = grown(sweep.box, kRoom * sweep.radius);
+  const Vec3 way = sweep.to - sweep.from;
+  const double length = way.norm();
+  if (length > 0.0) {
+    const Vec3 ahead = way * std::min(kSegmentsAhead, kRadiiAhead * sweep.radius / length);
+    box.lower += ahead.cwiseMin(0.0);
+    box.upper += ahead.cwiseMax(0.0);
+  }
+  return box;
+}
 
 }  // namespace
 
@@ -95,7 +110,7 @@ const std::vector<int>& BroadPhase::move(int object, const Sweep& sweep, Nanosec
     found_.clear();
     return found_;
   }
-  if (!sweep.isLong()) return stay(object, grown(sweep.box, kRoom * sweep.radius), from_ns);
+  if (!sweep.isLong()) return stay(object, roomFor(sweep), from_ns);
   close(object, from_ns);
   ask(object, LineQuestion(sweep), from_ns, to_ns);
   begin(object, sweep.box, from_ns, to_ns, false);
