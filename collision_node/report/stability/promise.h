@@ -1,0 +1,28 @@
+/// What a method gives its word for, and whether it kept it.
+#pragma once
+
+#include "collision_node/report/methods.h"
+#include "collision_node/report/stability/group.h"
+
+namespace collision_node::report {
+
+/// By its own documentation or its construction (report/peers.h).
+struct Promise {
+  Course most = Course::kStraight;  ///< the hardest course it can be asked
+  double gap = 0.0;      ///< [m] it may call a contact
+  double late = 0.0;     ///< of the piece's duration: how late its time may be
+  double early = 0.0;    ///< of the piece's duration: how early, beside what the gap makes of it
+};
+Promise promiseOf(const Method& method);
+
+/// One answer, held against the truth. Only the last five are wrong: a method that says it does not know is
+/// honest.
+enum class Mark { kKept, kUndecided, kMissed, kFalse, kLate, kEarly, kBound };
+constexpr int kMarks = 7;
+
+/// A certified answer owes a bracket and a ball that hold the truth; a POSSIBLE one owes that nothing comes
+/// before its bracket. Any other owes a time within its promise and kPrecision, and no hit where the pair
+/// keeps farther apart than its gap; nearer, such a hit counts as undecided.
+Mark markOf(const Answer& answer, const Group& group, std::size_t trial, const Promise& promise);
+
+}  // namespace collision_node::report

@@ -1,0 +1,111 @@
+#include "collision_node/report/stability/walk.h"
+
+#include <ctime>
+
+#include <algorithm>
+
+namespace collision_node::report {
+namespace {
+
+double threadSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Ours as it is by default, and one of each other family.
+std::vector<Method> walkers() {
+  std::vector<Method> methods;
+  methods.push_back({"ours", "ours", "all shapes and motions", "", true,
+                     [](const QuerySet& set) { return makeOurs(set); }});
+  for (Method& method : allMethods()) {
+    if (method.family != "ours" && method.installed) methods.push_back(std::move(method));
+  }
+  return methods;
+}
+
+bool mayState(const Promise& promise, Course course) {
+  return course == Course::kAccelerated ? promise.most == Course::kAccelerated : course <= promise.most;
+}
+
+void ask(const Method& method, const Group& group, double seconds, Cell& cell) {
+  const Promise promise = promiseOf(method);
+  const std::size_t trials = group.trials.truths.size();
+  const ContestantPtr contestant =
+      mayState(promise, group.course) ? method.make(group.trials.set) : ContestantPtr();
+  if (!contestant) {
+    cell.not_offered += static_cast<int>(trials);
+    return;
+  }
+  const double begin = threadSeconds();
+  for (std::size_t i = 0; i < trials; ++i) {
+    const double before = threadSeconds();
+    if (before - begin > seconds && method.family != "ours") {
+      ++cell.not_asked;
+      continue;
+    }
+    const Answer answer = contestant->answer(group.trials.set.queries[i]);
+    cell.slowest = std::max(cell.slowest, threadSeconds() - before);
+    const Mark mark = markOf(answer, group, i, promise);
+    ++cell.marks[static_cast<std::size_t>(mark)];
+    if (answer.certified && answer.verdict == Verdict::kHit && mark == Mark::kKept) {
+      cell.bracket = std::max(cell.bracket, answer.toi_upper - answer.toi_lower);
+    }
+  }
+}
+
+Walk walk(const Direction& direction, const std::vector<Method>& methods, const WalkOptions& options) {
+  Walk result;
+  result.direction = direction;
+  result.cells.assign(methods.size(), std::vector<Cell>(direction.values.size()));
+  for (const Method& method : methods) result.methods.push_back(method.name);
+  for (std::size_t rung = 0; rung < direction.values.size(); ++rung) {
+    Random random(1000 + rung);
+    for (const Group& group : direction.groups(direction.values[rung], options.count, random)) {
+      for (std::size_t m = 0; m < methods.size(); ++m) {
+        ask(methods[m], group, options.seconds, result.cells[m][rung]);
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+int Cell::wrong() const {
+  return count(Mark::kMissed) + count(Mark::kFalse) + count(Mark::kLate) + count(Mark::kEarly) +
+         count(Mark::kBound);
+}
+
+int Cell::asked() const { return wrong() + count(Mark::kKept) + count(Mark::kUndecided); }
+
+Range rangeOf(const Walk& walk, std::size_t method, bool decided) {
+  const std::vector<Cell>& cells = walk.cells[method];
+  const auto holds = [&](std::size_t rung) {
+    const Cell& cell = cells[rung];
+    return cell.asked() > 0 && cell.wrong() == 0 && (!decided || cell.count(Mark::kUndecided) == 0);
+  };
+  Range range;
+  range.offered = std::any_of(cells.begin(), cells.end(), [](const Cell& cell) { return cell.asked() > 0; });
+  std::size_t first = walk.direction.easy, last = first;
+  range.empty = !holds(first);
+  if (range.empty) return range;
+  while (first > 0 && holds(first - 1)) --first;
+  while (last + 1 < cells.size() && holds(last + 1)) ++last;
+  range.lower = walk.direction.values[first];
+  range.upper = walk.direction.values[last];
+  range.whole = first == 0 && last + 1 == cells.size();
+  return range;
+}
+
+std::vector<Walk> walkAll(const WalkOptions& options) {
+  const std::vector<Method> methods = walkers();
+  std::vector<Walk> walks;
+  for (const Direction& direction : allDirections(options.quick)) {
+    if (options.begins) options.begins(direction);
+    walks.push_back(walk(direction, methods, options));
+  }
+  return walks;
+}
+
+}  // namespace collision_node::report
