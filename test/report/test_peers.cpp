@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "collision_node/report/made_meshes.h"
-#include "collision_node/report/peers.h"
+#include "collision_node/report/methods/peers.h"
 
 namespace {
 

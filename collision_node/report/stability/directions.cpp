@@ -30,11 +30,11 @@ std::vector<Group> fourKinds(const MeshPtr& a, double size_a, double size_b, con
                              int count, Random& random) {
   const geometry::Mesh mesh{a};
   std::vector<Group> groups;
-  groups.push_back(makeGroup("point, mesh", Course::kStraight, mesh, geometry::Point{}));
-  groups.push_back(makeGroup("ball, mesh", Course::kStraight, mesh, geometry::Sphere{0.5 * size_b}));
+  groups.push_back(makeGroup("point, mesh", mesh, geometry::Point{}));
+  groups.push_back(makeGroup("ball, mesh", mesh, geometry::Sphere{0.5 * size_b}));
   groups.push_back(
-      makeGroup("mesh, mesh", Course::kStraight, mesh, geometry::Mesh{tetrahedron(size_b)}));
-  groups.push_back(makeGroup("ball, box", Course::kStraight, geometry::Box{size_a * geometry::Vec3::Ones()},
+      makeGroup("mesh, mesh", mesh, geometry::Mesh{tetrahedron(size_b)}));
+  groups.push_back(makeGroup("ball, box", geometry::Box{size_a * geometry::Vec3::Ones()},
                              geometry::Sphere{0.5 * size_b}));
   for (Group& group : groups) {
     Setting own = setting;

@@ -37,7 +37,7 @@ void record(Group& group, const Quat& q, const Vec3& from, const Vec3& to, doubl
 }  // namespace
 
 Group grazingBalls(double share, int count, Random& random) {
-  Group group = makeGroup("ball, ball", Course::kStraight, geometry::Sphere{0.5 * kGrazeReach},
+  Group group = makeGroup("ball, ball", geometry::Sphere{0.5 * kGrazeReach},
                           geometry::Sphere{0.5 * kGrazeReach});
   const double path = 1e-9 * static_cast<double>(Setting().step_ns) * kGrazeSpeed;
   for (int i = 0; i < count; ++i) {
@@ -53,7 +53,7 @@ Group grazingBalls(double share, int count, Random& random) {
 
 Group grazingEdge(double share, int count, Random& random) {
   constexpr double kCube = 4.0;  // [m]
-  Group group = makeGroup("ball, edge", Course::kStraight, geometry::Mesh{cubeMesh(kCube)},
+  Group group = makeGroup("ball, edge", geometry::Mesh{cubeMesh(kCube)},
                           geometry::Sphere{kGrazeReach});
   const double path = 1e-9 * static_cast<double>(Setting().step_ns) * kGrazeSpeed;
   for (int i = 0; i < count; ++i) {

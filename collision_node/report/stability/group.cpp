@@ -5,7 +5,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "collision_node/report/peer_models.h"
+#include "collision_node/report/methods/peer_models.h"
 
 namespace collision_node::report {
 namespace {
@@ -69,10 +69,9 @@ void Group::addApart(const impact::Piece& piece, double nearest_gap) {
   closing.push_back(std::numeric_limits<double>::quiet_NaN());
 }
 
-Group makeGroup(const std::string& name, Course course, geometry::Shape a, geometry::Shape b) {
+Group makeGroup(const std::string& name, geometry::Shape a, geometry::Shape b) {
   Group group;
   group.trials.name = name;
-  group.course = course;
   group.trials.set.bodies.push_back(bodyOf(std::move(a)));
   group.trials.set.bodies.push_back(bodyOf(std::move(b)));
   return group;

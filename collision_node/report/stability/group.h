@@ -11,17 +11,8 @@
 
 namespace collision_node::report {
 
-/// What a motion asks of a method.
-enum class Course {
-  kStraight,     ///< both bodies keep their orientation and fly straight
-  kTurning,      ///< straight, with less than half a turn in the piece
-  kManyTurns,    ///< straight, with more than that: no two poses can tell
-  kAccelerated,  ///< cubic
-};
-
 struct Group {
   Trials trials;  ///< two bodies; `name` tells the kind
-  Course course = Course::kStraight;
   std::vector<double> nearest;  ///< [m] how near a pair comes that stays apart, an upper bound; else NaN
   std::vector<double> closing;  ///< [m/s] about how fast the last of the gap closes before a contact; else NaN
 
@@ -31,7 +22,7 @@ struct Group {
   void addApart(const impact::Piece& piece, double nearest_gap);
 };
 
-Group makeGroup(const std::string& name, Course course, geometry::Shape a, geometry::Shape b);
+Group makeGroup(const std::string& name, geometry::Shape a, geometry::Shape b);
 
 double toDouble(const Exact& x);
 

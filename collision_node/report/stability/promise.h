@@ -1,19 +1,28 @@
 /// What a method gives its word for, and whether it kept it.
 #pragma once
 
+#include <vector>
+
 #include "collision_node/report/methods.h"
 #include "collision_node/report/stability/group.h"
 
 namespace collision_node::report {
 
-/// By its own documentation or its construction (report/peers.h).
+/// By its own documentation or construction (report/methods/). Shares are of the piece.
 struct Promise {
-  Course most = Course::kStraight;  ///< the hardest course it can be asked
-  double gap = 0.0;      ///< [m] it may call a contact
-  double late = 0.0;     ///< of the piece's duration: how late its time may be
-  double early = 0.0;    ///< of the piece's duration: how early, beside what the gap makes of it
+  double gap = 0.0;       ///< [m] it may call a contact
+  double path_gap = 0.0;  ///< the same, as a share of how far the bodies move
+  double late = 0.0;      ///< share of the duration by which its time may be late
+  double early = 0.0;     ///< and early, beside what the gap makes of it
 };
-Promise promiseOf(const Method& method);
+
+struct Walker {
+  Method method;
+  Promise promise;
+};
+
+/// Ours as it is by default, then one of each other family that is installed.
+std::vector<Walker> allWalkers();
 
 /// One answer, held against the truth. Only the last five are wrong: a method that says it does not know is
 /// honest.

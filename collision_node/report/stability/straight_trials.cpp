@@ -3,7 +3,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "collision_node/report/peer_models.h"
 
 namespace collision_node::report {
 namespace {

@@ -19,10 +19,6 @@ using geometry::Vec3;
 constexpr double kPi = 3.141592653589793;
 constexpr double kArm = 1.0, kBarRadius = 0.025, kBallRadius = 0.05;  // [m] of bar and ball
 
-Course courseOf(double spin, motion::Nanoseconds step_ns) {
-  return spin * static_cast<double>(step_ns) * 1e-9 < 0.999 * kPi ? Course::kTurning : Course::kManyTurns;
-}
-
 /// A bar's body has its length along z: `direction` (across the z axis of the world) is where it points
 /// first.
 Quat pointing(const Vec3& direction) { return Quat::FromTwoVectors(Vec3::UnitZ(), direction).normalized(); }
@@ -55,8 +51,8 @@ struct BarAndBall {
   }
 };
 
-Group barGroup(const std::string& name, Course course) {
-  return makeGroup(name, course, geometry::Capsule{kBarRadius, 2.0 * kArm}, geometry::Sphere{kBallRadius});
+Group barGroup(const std::string& name) {
+  return makeGroup(name, geometry::Capsule{kBarRadius, 2.0 * kArm}, geometry::Sphere{kBallRadius});
 }
 
 /// The lowest vertex of `mesh` turned by `q`: doubles choose the candidates, far coarser than they round.
@@ -78,7 +74,7 @@ Vec3 level(double angle) { return {std::cos(angle), std::sin(angle), 0.0}; }
 }  // namespace
 
 Group barAndBall(double spin, motion::Nanoseconds step_ns, int count, Random& random) {
-  Group group = barGroup("bar and ball", courseOf(spin, step_ns));
+  Group group = barGroup("bar and ball");
   const double step = 1e-9 * static_cast<double>(step_ns), thick = kBarRadius + kBallRadius;
   Setting setting;
   setting.step_ns = step_ns;
@@ -104,7 +100,7 @@ Group barAndBall(double spin, motion::Nanoseconds step_ns, int count, Random& ra
 }
 
 Group slowApproach(double spin, double approach, motion::Nanoseconds step_ns, int count, Random& random) {
-  Group group = barGroup("slow approach", courseOf(spin, step_ns));
+  Group group = barGroup("slow approach");
   const double step = 1e-9 * static_cast<double>(step_ns);
   const double ring = kArm + kBarRadius + kBallRadius;
   Setting setting;
@@ -145,7 +141,7 @@ Group slowApproach(double spin, double approach, motion::Nanoseconds step_ns, in
 Group spinningFall(const MeshPtr& mesh, double spin, double fall, motion::Nanoseconds step_ns, int count,
                    Random& random) {
   constexpr double kFace = 10.0;  // [m] the cube's half size
-  Group group = makeGroup("spinning fall", courseOf(spin, step_ns), geometry::Mesh{cubeMesh(2.0 * kFace)},
+  Group group = makeGroup("spinning fall", geometry::Mesh{cubeMesh(2.0 * kFace)},
                           geometry::Mesh{mesh});
   const double way = fall * 1e-9 * static_cast<double>(step_ns);
   Setting setting;
@@ -177,7 +173,7 @@ Group spinningFall(const MeshPtr& mesh, double spin, double fall, motion::Nanose
 Group longArm(double length, int count, Random& random) {
   constexpr double kTipSpeed = 100.0, kFace = 2.0;  // [m/s], [m] the cube's half size
   const double spin = kTipSpeed / length;
-  Group group = makeGroup("arm", Course::kTurning, geometry::Mesh{cubeMesh(2.0 * kFace)},
+  Group group = makeGroup("arm", geometry::Mesh{cubeMesh(2.0 * kFace)},
                           geometry::Mesh{moved(*tetrahedron(0.5), Vec3(length, 0.0, 0.0))});
   Setting setting;
   setting.step_ns = 20'000'000;
@@ -224,7 +220,7 @@ Group longArm(double length, int count, Random& random) {
 
 Group reversal(double most, motion::Nanoseconds step_ns, int count, Random& random) {
   constexpr double kFace = 10.0, kRadius = 0.5;  // [m] the cube's half size, the ball
-  Group group = makeGroup("reversal", Course::kAccelerated, geometry::Mesh{cubeMesh(2.0 * kFace)},
+  Group group = makeGroup("reversal", geometry::Mesh{cubeMesh(2.0 * kFace)},
                           geometry::Sphere{kRadius});
   const Exact h = Exact(step_ns) / Exact(1'000'000'000);
   const double step = 1e-9 * static_cast<double>(step_ns), speed = most * step / 6.0;

@@ -13,26 +13,9 @@ double threadSeconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Ours as it is by default, and one of each other family.
-std::vector<Method> walkers() {
-  std::vector<Method> methods;
-  methods.push_back({"ours", "ours", "all shapes and motions", "", true,
-                     [](const QuerySet& set) { return makeOurs(set); }});
-  for (Method& method : allMethods()) {
-    if (method.family != "ours" && method.installed) methods.push_back(std::move(method));
-  }
-  return methods;
-}
-
-bool mayState(const Promise& promise, Course course) {
-  return course == Course::kAccelerated ? promise.most == Course::kAccelerated : course <= promise.most;
-}
-
-void ask(const Method& method, const Group& group, double seconds, Cell& cell) {
-  const Promise promise = promiseOf(method);
+void ask(const Walker& walker, const Group& group, double seconds, Cell& cell) {
+  const ContestantPtr contestant = walker.method.make(group.trials.set);
   const std::size_t trials = group.trials.truths.size();
-  const ContestantPtr contestant =
-      mayState(promise, group.course) ? method.make(group.trials.set) : ContestantPtr();
   if (!contestant) {
     cell.not_offered += static_cast<int>(trials);
     return;
@@ -40,13 +23,13 @@ void ask(const Method& method, const Group& group, double seconds, Cell& cell) {
   const double begin = threadSeconds();
   for (std::size_t i = 0; i < trials; ++i) {
     const double before = threadSeconds();
-    if (before - begin > seconds && method.family != "ours") {
+    if (before - begin > seconds && walker.method.family != "ours") {
       ++cell.not_asked;
       continue;
     }
     const Answer answer = contestant->answer(group.trials.set.queries[i]);
     cell.slowest = std::max(cell.slowest, threadSeconds() - before);
-    const Mark mark = markOf(answer, group, i, promise);
+    const Mark mark = markOf(answer, group, i, walker.promise);
     ++cell.marks[static_cast<std::size_t>(mark)];
     if (answer.certified && answer.verdict == Verdict::kHit && mark == Mark::kKept) {
       cell.bracket = std::max(cell.bracket, answer.toi_upper - answer.toi_lower);
@@ -54,16 +37,16 @@ void ask(const Method& method, const Group& group, double seconds, Cell& cell) {
   }
 }
 
-Walk walk(const Direction& direction, const std::vector<Method>& methods, const WalkOptions& options) {
+Walk walk(const Direction& direction, const std::vector<Walker>& walkers, const WalkOptions& options) {
   Walk result;
   result.direction = direction;
-  result.cells.assign(methods.size(), std::vector<Cell>(direction.values.size()));
-  for (const Method& method : methods) result.methods.push_back(method.name);
+  result.cells.assign(walkers.size(), std::vector<Cell>(direction.values.size()));
+  for (const Walker& walker : walkers) result.methods.push_back(walker.method.name);
   for (std::size_t rung = 0; rung < direction.values.size(); ++rung) {
     Random random(1000 + rung);
     for (const Group& group : direction.groups(direction.values[rung], options.count, random)) {
-      for (std::size_t m = 0; m < methods.size(); ++m) {
-        ask(methods[m], group, options.seconds, result.cells[m][rung]);
+      for (std::size_t m = 0; m < walkers.size(); ++m) {
+        ask(walkers[m], group, options.seconds, result.cells[m][rung]);
       }
     }
   }
@@ -99,11 +82,11 @@ Range rangeOf(const Walk& walk, std::size_t method, bool decided) {
 }
 
 std::vector<Walk> walkAll(const WalkOptions& options) {
-  const std::vector<Method> methods = walkers();
+  const std::vector<Walker> walkers = allWalkers();
   std::vector<Walk> walks;
   for (const Direction& direction : allDirections(options.quick)) {
     if (options.begins) options.begins(direction);
-    walks.push_back(walk(direction, methods, options));
+    walks.push_back(walk(direction, walkers, options));
   }
   return walks;
 }
