@@ -1,7 +1,8 @@
 #include <iostream>
 
 #include "collision_node/report/modes.h"
-#include "collision_node/report/stability/walk.h"
+#include "collision_node/report/present.h"
+#include "collision_node/report/stability/stability_file.h"
 
 namespace collision_node::report {
 
@@ -10,22 +11,28 @@ int runStability(const Options& options, std::ostream& out) {
   walk_options.quick = options.quick;
   if (options.quick) {
     walk_options.count = 6;
-    walk_options.seconds = 0.1;
+    walk_options.seconds = 0.02;
   }
-  walk_options.begins = [&](const Direction& direction) { out << direction.name << std::endl; };
-  for (const Walk& walk : walkAll(walk_options)) {
-    for (std::size_t m = 0; m < walk.methods.size(); ++m) {
-      for (std::size_t r = 0; r < walk.direction.values.size(); ++r) {
-        const Cell& c = walk.cells[m][r];
-        if (c.asked() == 0) continue;
-        out << walk.direction.name << ' ' << walk.direction.values[r] << ' ' << walk.methods[m] << " kept "
-            << c.marks[0] << " und " << c.marks[1] << " mis " << c.marks[2] << " fal " << c.marks[3] << " late "
-            << c.marks[4] << " early " << c.marks[5] << " bound " << c.marks[6] << " na " << c.not_asked << " no "
-            << c.not_offered << " br " << c.bracket << " slow " << c.slowest << '\n';
-      }
+  walk_options.begins = [&out](const Direction& direction) {
+    out << direction.name << ": " << direction.about << std::endl;
+  };
+  const std::vector<Walk> walks = walkAll(walk_options);
+  writeFile(options.out + "/stability.csv", [&](std::ostream& file) { writeCells(file, walks); });
+  writeFile(options.out + "/stability.md", [&](std::ostream& file) { writeRanges(file, walks); });
+  writeRanges(out, walks);
+  present(options.out, out, "present_stability.py");
+  int wrong = 0;
+  for (const Walk& walk : walks) {
+    for (std::size_t rung = 0; rung < walk.direction.values.size(); ++rung) {
+      if (walk.cells[0][rung].wrong() == 0) continue;
+      wrong += walk.cells[0][rung].wrong();
+      out << "CLAIM BROKEN: " << walk.cells[0][rung].wrong() << " wrong answers of ours, "
+          << walk.direction.name << " at " << walk.direction.values[rung] << " " << walk.direction.unit
+          << '\n';
     }
   }
-  return kDone;
+  if (wrong == 0) out << "Claims hold: no answer of ours is wrong.\n";
+  return wrong == 0 ? kDone : kClaimBroken;
 }
 
 }  // namespace collision_node::report

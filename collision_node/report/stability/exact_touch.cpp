@@ -56,7 +56,7 @@ class FirstTouch {
   void vertexAndFace(const Vec<T>& p, const std::array<int, 3>& face, const Surface<T>& surface,
                      bool mirrored) {
     const Vec<T>&u = surface.vertices[face[0]], &s = surface.vertices[face[1]],
-    &w = surface.vertices[face[2]];
+          &w = surface.vertices[face[2]];
     const Vec<T> v = mirrored ? Vec<T>(-v_) : v_;
     const Vec<T> n = (s - u).cross(w - u);
     if (vanishes(n, s - u, w - u)) return;

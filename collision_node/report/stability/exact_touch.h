@@ -15,8 +15,8 @@
 namespace collision_node::report {
 
 /// 50 decimal digits. Doubles enter exactly; what is rounded here is 34 digits below what is judged.
-using Exact = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>,
-                                            boost::multiprecision::et_off>;
+using Exact =
+    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
 
 template <typename T>
 using Vec = Eigen::Matrix<T, 3, 1>;

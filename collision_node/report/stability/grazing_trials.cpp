@@ -1,5 +1,6 @@
 #include "collision_node/report/stability/grazing_trials.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "collision_node/report/stability/shapes.h"
@@ -14,7 +15,7 @@ using geometry::Vec3;
 /// How far aside two things pass whose reaches sum up to kGrazeReach.
 double aside(double share, bool meets) {
   const double depth = 1.0 - std::sqrt(1.0 - share * share);
-  return kGrazeReach * (meets ? 1.0 - depth : 1.0 + depth);
+  return kGrazeReach * (meets ? 1.0 - depth : 1.0 + std::max(depth, 4e-16));
 }
 
 /// B from `from` to `to`, A at rest at the origin with orientation `q`.
@@ -37,8 +38,8 @@ void record(Group& group, const Quat& q, const Vec3& from, const Vec3& to, doubl
 }  // namespace
 
 Group grazingBalls(double share, int count, Random& random) {
-  Group group = makeGroup("ball, ball", geometry::Sphere{0.5 * kGrazeReach},
-                          geometry::Sphere{0.5 * kGrazeReach});
+  Group group =
+      makeGroup("ball, ball", geometry::Sphere{0.5 * kGrazeReach}, geometry::Sphere{0.5 * kGrazeReach});
   const double path = 1e-9 * static_cast<double>(Setting().step_ns) * kGrazeSpeed;
   for (int i = 0; i < count; ++i) {
     const Vec3 along = share > 0.0 ? random.direction() : Vec3(Vec3::UnitX());
@@ -53,13 +54,13 @@ Group grazingBalls(double share, int count, Random& random) {
 
 Group grazingEdge(double share, int count, Random& random) {
   constexpr double kCube = 4.0;  // [m]
-  Group group = makeGroup("ball, edge", geometry::Mesh{cubeMesh(kCube)},
-                          geometry::Sphere{kGrazeReach});
+  Group group = makeGroup("ball, edge", geometry::Mesh{cubeMesh(kCube)}, geometry::Sphere{kGrazeReach});
   const double path = 1e-9 * static_cast<double>(Setting().step_ns) * kGrazeSpeed;
   for (int i = 0; i < count; ++i) {
     const Quat q = share > 0.0 ? random.orientation() : Quat::Identity();
     const Vec3 out = std::sqrt(0.5) * Vec3(1.0, 1.0, 0.0);
-    const Vec3 nearest = Vec3(0.5 * kCube, 0.5 * kCube, random.in(-0.5, 0.5)) + aside(share, i % 2 == 0) * out;
+    const Vec3 nearest =
+        Vec3(0.5 * kCube, 0.5 * kCube, random.in(-0.5, 0.5)) + aside(share, i % 2 == 0) * out;
     const Vec3 along = std::sqrt(0.5) * Vec3(1.0, -1.0, 0.0);
     const double before = random.in(0.4, 0.6);
     record(group, q, q * (nearest - before * path * along), q * (nearest + (1.0 - before) * path * along),

@@ -6,15 +6,10 @@
 #include <stdexcept>
 
 #include "collision_node/report/methods/peer_models.h"
+#include "collision_node/report/scenes/building.h"
 
 namespace collision_node::report {
 namespace {
-
-std::unique_ptr<geometry::Body> bodyOf(geometry::Shape shape) {
-  std::vector<geometry::PlacedShape> shapes;
-  shapes.push_back({std::move(shape), geometry::Pose(), "made"});
-  return std::make_unique<geometry::Body>(std::move(shapes));
-}
 
 template <typename T>
 void addEdges(Surface<T>& surface) {
@@ -72,8 +67,8 @@ void Group::addApart(const impact::Piece& piece, double nearest_gap) {
 Group makeGroup(const std::string& name, geometry::Shape a, geometry::Shape b) {
   Group group;
   group.trials.name = name;
-  group.trials.set.bodies.push_back(bodyOf(std::move(a)));
-  group.trials.set.bodies.push_back(bodyOf(std::move(b)));
+  addBody(group.trials.set, std::move(a));
+  addBody(group.trials.set, std::move(b));
   return group;
 }
 

@@ -12,13 +12,15 @@
 namespace collision_node::report {
 
 struct Group {
-  Trials trials;  ///< two bodies; `name` tells the kind
+  Trials trials;                ///< two bodies; `name` tells the kind
   std::vector<double> nearest;  ///< [m] how near a pair comes that stays apart, an upper bound; else NaN
-  std::vector<double> closing;  ///< [m/s] about how fast the last of the gap closes before a contact; else NaN
+  std::vector<double>
+      closing;  ///< [m/s] about how fast the last of the gap closes before a contact; else NaN
 
   /// `point`: world, at `toi`; null where it is not one point. What the conversion to double rounds is in the
   /// truth's errors.
-  void addContact(const impact::Piece& piece, const Exact& toi, const Vec<Exact>* point, double closing_speed);
+  void addContact(const impact::Piece& piece, const Exact& toi, const Vec<Exact>* point,
+                  double closing_speed);
   void addApart(const impact::Piece& piece, double nearest_gap);
 };
 

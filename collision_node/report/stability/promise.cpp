@@ -11,12 +11,13 @@ namespace {
 /// What closes as fast as `Group::closing` says may need so much longer: that is an average.
 constexpr double kSlower = 2.0;
 
-/// Method by name. Bullet stops at a gap of 1 mm, and its iteration and FCL's may stop a few percent of the
-/// piece early; FCL's shape advancement takes a hundred-thousandth of the piece for none.
+/// Method by name. Paper B's time is that at which the particle enters the bounding sphere: early by design.
+/// Bullet stops at a gap of 1 mm, and its iteration and FCL's may stop a few percent of the piece early;
+/// FCL's shape advancement takes a hundred-thousandth of the piece for none.
 const std::map<std::string, Promise>& promises() {
   static const std::map<std::string, Promise> all = {
       {"paper A", {}},
-      {"paper B", {}},
+      {"paper B", {0.0, 0.0, 0.0, 1.0}},
       {"subdivision 1000", {0.0, 0.0, 1e-3, 0.0}},
       {"4D intersection, 1000 samples", {0.0, 0.0, 1e-3, 0.0}},
       {"FCL naive 1000", {0.0, 0.0, 1e-3, 0.0}},
@@ -24,7 +25,7 @@ const std::map<std::string, Promise>& promises() {
       {"FCL shape advancement", {1e-6, 1e-5, 1e-3, 0.05}},
       {"Bullet convexSweepTest", {1e-3, 0.0, 1e-3, 0.05}},
       {"btContinuousConvexCollision", {1e-3, 0.0, 1e-3, 0.05}},
-      {"Embree ray", {0.0, 0.0, 1e-6, 1e-6}},
+      {"Embree ray", {0.0, 0.0, 1e-5, 1e-5}},
   };
   return all;
 }
@@ -48,8 +49,9 @@ double pathOf(const QuerySet& set, const Query& query) {
 
 Mark markOfCertified(const Answer& answer, const Truth& truth) {
   if (truth.verdict == Verdict::kClear) {
-    return answer.verdict == Verdict::kHit ? Mark::kFalse
-           : answer.verdict == Verdict::kClear ? Mark::kKept : Mark::kUndecided;
+    return answer.verdict == Verdict::kHit     ? Mark::kFalse
+           : answer.verdict == Verdict::kClear ? Mark::kKept
+                                               : Mark::kUndecided;
   }
   if (answer.verdict == Verdict::kClear) return Mark::kMissed;
   if (answer.toi_lower > truth.toi + truth.toi_error) return Mark::kLate;

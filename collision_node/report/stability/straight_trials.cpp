@@ -3,7 +3,6 @@
 #include <cmath>
 #include <stdexcept>
 
-
 namespace collision_node::report {
 namespace {
 
@@ -14,8 +13,9 @@ using geometry::Vec3;
 Vec3 aim(const Surface<double>& surface, Random& random, Vec3* outward) {
   *outward = Vec3::Zero();
   if (surface.faces.empty()) return surface.vertices[0];
-  const auto& face = surface.faces[static_cast<std::size_t>(random.in(0.0, 1.0) *
-                                                            static_cast<double>(surface.faces.size()))];
+  const auto& face =
+      surface
+          .faces[static_cast<std::size_t>(random.in(0.0, 1.0) * static_cast<double>(surface.faces.size()))];
   const double first = random.in(0.2, 0.5), second = random.in(0.1, 0.4);
   const Vec3 &p = surface.vertices[face[0]], &q = surface.vertices[face[1]], &r = surface.vertices[face[2]];
   const Vec3 normal = (q - p).cross(r - p);
@@ -37,7 +37,8 @@ class Drawing {
     b_ = surfaceOf<double>(bodyB(), q_b_);
     Vec3 outward;
     const Vec3 target = aim(a_, random, &outward);
-    const auto which = static_cast<std::size_t>(random.in(0.0, 1.0) * static_cast<double>(b_.vertices.size()));
+    const auto which =
+        static_cast<std::size_t>(random.in(0.0, 1.0) * static_cast<double>(b_.vertices.size()));
     do {
       along_ = random.direction();
     } while (outward.dot(along_) > -0.4 && !outward.isZero());

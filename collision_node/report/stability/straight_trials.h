@@ -7,11 +7,11 @@
 namespace collision_node::report {
 
 struct Setting {
-  double offset = 0.0;              ///< [m] of everything from the world's origin
-  double speed = 10.0;              ///< [m/s] of B past A
+  double offset = 0.0;  ///< [m] of everything from the world's origin
+  double speed = 10.0;  ///< [m/s] of B past A
   motion::Nanoseconds start_ns = 0;
   motion::Nanoseconds step_ns = 100'000'000;
-  bool both_move = false;           ///< A flies too, and the offset's rounding reaches both
+  bool both_move = false;  ///< A flies too, and the offset's rounding reaches both
 };
 
 /// Of each three trials: one meets, one ends 10 % of its path before the contact, one flies past the

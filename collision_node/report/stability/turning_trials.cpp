@@ -86,10 +86,10 @@ Group barAndBall(double spin, motion::Nanoseconds step_ns, int count, Random& ra
     const double beside = std::asin(thick / reach);
     const double ahead = beside + random.in(0.3, 0.7) * std::min(spin * step, 0.5 * kPi);
     const Vec3 place = meets ? Vec3(reach * level(start + ahead))
-                             : Vec3((kArm + thick + 1e-3) * level(random.in(-kPi, kPi)));
+                             : Vec3((kArm + thick + 5e-3) * level(random.in(-kPi, kPi)));
     const BarAndBall trial{pointing(level(start)), spin, flight(setting, place, place, Quat::Identity())};
     if (!meets) {
-      group.addApart(trial.piece(), 1.1e-3);
+      group.addApart(trial.piece(), 5.1e-3);
       continue;
     }
     const Exact toi = rootOf([&](const Exact& t) { return trial.gap(t); }, Exact(0),
@@ -131,9 +131,10 @@ Group slowApproach(double spin, double approach, motion::Nanoseconds step_ns, in
       continue;
     }
     const Exact lower = Exact(passage) - Exact(0.45 * half_turn);
-    const Exact toi = rootOf([&](const Exact& t) { return trial.gap(t); }, std::max(lower, Exact(reached)),
-                             Exact(passage));
-    group.addContact(trial.piece(), toi, nullptr, approach);
+    const Exact toi =
+        rootOf([&](const Exact& t) { return trial.gap(t); }, std::max(lower, Exact(reached)), Exact(passage));
+    // A tip comes within some gap of it at a passage before: half turns are added to what the gap takes.
+    group.addContact(trial.piece(), toi, nullptr, approach / (1.0 + 1e5 * approach * half_turn));
   }
   return group;
 }
@@ -141,8 +142,7 @@ Group slowApproach(double spin, double approach, motion::Nanoseconds step_ns, in
 Group spinningFall(const MeshPtr& mesh, double spin, double fall, motion::Nanoseconds step_ns, int count,
                    Random& random) {
   constexpr double kFace = 10.0;  // [m] the cube's half size
-  Group group = makeGroup("spinning fall", geometry::Mesh{cubeMesh(2.0 * kFace)},
-                          geometry::Mesh{mesh});
+  Group group = makeGroup("spinning fall", geometry::Mesh{cubeMesh(2.0 * kFace)}, geometry::Mesh{mesh});
   const double way = fall * 1e-9 * static_cast<double>(step_ns);
   Setting setting;
   setting.step_ns = step_ns;
@@ -187,8 +187,8 @@ Group longArm(double length, int count, Random& random) {
       highest = std::max(highest, length * std::sin(spin * at) + toDouble(v.y()));
     }
     const double x = length * std::cos(spin * at) + random.in(-0.5, 0.5), z = random.in(-0.5, 0.5);
-    const Flight a = flight(setting, Vec3(x, highest + kFace, z), Vec3(x, highest + kFace, z),
-                            Quat::Identity());
+    const Flight a =
+        flight(setting, Vec3(x, highest + kFace, z), Vec3(x, highest + kFace, z), Quat::Identity());
     const Flight b = flight(setting, Vec3::Zero(), Vec3::Zero(), Quat::Identity());
     impact::Piece piece = pieceOf(a, b);
     piece.a = motion::fixedAt(a.from.pose);
@@ -199,9 +199,7 @@ Group longArm(double length, int count, Random& random) {
     std::optional<Exact> toi;
     Vec<Exact> point;
     for (const auto& v : tip.vertices) {
-      const auto at_time = [&](const Exact& t) {
-        return turnedBy(Exact(spin) * t, Vec<Exact>(0, 0, 1), v);
-      };
+      const auto at_time = [&](const Exact& t) { return turnedBy(Exact(spin) * t, Vec<Exact>(0, 0, 1), v); };
       const auto gap = [&](const Exact& t) { return face - at_time(t).y(); };
       if (gap(secondsOf(b)) > Exact(0)) continue;
       const Exact t = rootOf(gap, Exact(0), secondsOf(b));
@@ -220,8 +218,7 @@ Group longArm(double length, int count, Random& random) {
 
 Group reversal(double most, motion::Nanoseconds step_ns, int count, Random& random) {
   constexpr double kFace = 10.0, kRadius = 0.5;  // [m] the cube's half size, the ball
-  Group group = makeGroup("reversal", geometry::Mesh{cubeMesh(2.0 * kFace)},
-                          geometry::Sphere{kRadius});
+  Group group = makeGroup("reversal", geometry::Mesh{cubeMesh(2.0 * kFace)}, geometry::Sphere{kRadius});
   const Exact h = Exact(step_ns) / Exact(1'000'000'000);
   const double step = 1e-9 * static_cast<double>(step_ns), speed = most * step / 6.0;
   // Equal heights and speeds -V at both ends: z = z0 - V h (s - 3 s^2 + 2 s^3), s = t / h, lowest at

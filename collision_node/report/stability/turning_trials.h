@@ -8,12 +8,13 @@
 namespace collision_node::report {
 
 /// Group "bar and ball": a bar (capsule, 2 m between its caps, 5 cm thick) at rest turns about its middle at
-/// `spin` [rad/s] towards a ball at rest; each second ball lies 1 mm beyond the bar's reach.
+/// `spin` [rad/s] towards a ball at rest; each second ball lies 5 mm beyond the bar's reach.
 Group barAndBall(double spin, motion::Nanoseconds step_ns, int count, Random& random);
 
-/// Group "spinning fall": a closed mesh within 2 m of its origin that spins at `spin` about the normal of a face on which it falls at `fall`
-/// [m/s]; each second one ends 10 % of its path above it.
-Group spinningFall(const MeshPtr& mesh, double spin, double fall, motion::Nanoseconds step_ns, int count, Random& random);
+/// Group "spinning fall": a closed mesh within 2 m of its origin that spins at `spin` about the normal of a
+/// face on which it falls at `fall` [m/s]; each second one ends 10 % of its path above it.
+Group spinningFall(const MeshPtr& mesh, double spin, double fall, motion::Nanoseconds step_ns, int count,
+                   Random& random);
 
 /// Group "slow approach": a ball nears the ring that the turning bar's tips describe at `approach` [m/s]; the
 /// bar hits it at its first turn that reaches so far. Each second ball stops 1e-6 m before the ring.

@@ -1,8 +1,7 @@
 #include "collision_node/report/stability/walk.h"
 
-#include <ctime>
-
 #include <algorithm>
+#include <ctime>
 
 namespace collision_node::report {
 namespace {
@@ -82,7 +81,8 @@ Range rangeOf(const Walk& walk, std::size_t method, bool decided) {
 }
 
 std::vector<Walk> walkAll(const WalkOptions& options) {
-  const std::vector<Walker> walkers = allWalkers();
+  std::vector<Walker> walkers = allWalkers();
+  if (options.only_ours) walkers.resize(1);
   std::vector<Walk> walks;
   for (const Direction& direction : allDirections(options.quick)) {
     if (options.begins) options.begins(direction);

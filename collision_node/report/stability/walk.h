@@ -33,17 +33,18 @@ struct Walk {
 
 /// The rungs around the easy one over which a method was asked at every rung and is never wrong.
 struct Range {
-  bool offered = false;  ///< it could answer something somewhere
-  bool empty = true;     ///< wrong (or not asked) at the easy rung
+  bool offered = false;             ///< it could answer something somewhere
+  bool empty = true;                ///< wrong (or not asked) at the easy rung
   double lower = 0.0, upper = 0.0;  ///< values of the first and last rung in the order of the walk
-  bool whole = false;    ///< all rungs
+  bool whole = false;               ///< all rungs
 };
 Range rangeOf(const Walk& walk, std::size_t method, bool decided);
 
 struct WalkOptions {
   bool quick = false;
-  int count = 12;              ///< trials of each kind at a rung
-  double seconds = 3.0;        ///< CPU time a method other than ours may take for one kind at one rung
+  bool only_ours = false;
+  int count = 12;        ///< trials of each kind at a rung
+  double seconds = 3.0;  ///< CPU time a method other than ours may take for one kind at one rung
   std::function<void(const Direction&)> begins;  ///< told before each direction; may be empty
 };
 
