@@ -65,12 +65,11 @@ void addPeers(std::vector<Method>& methods) {
   }
   for (const char* gap : {"1e-3", "1e-5", "1e-7"}) {
     methods.push_back({"fcl::distance advancement", std::string("fcl::distance advancement, ") + gap + " m",
-                       "two meshes or two primitives", "FCL", kHasFcl,
+                       "meshes and primitives", "FCL", kHasFcl,
                        [gap = std::stod(gap)](const QuerySet& set) { return makeFclAdvancement(set, gap); }});
   }
-  methods.push_back({"FCL shape advancement", "FCL shape advancement",
-                     "two primitives on straight paths, less than half a turn", "FCL", kHasFcl,
-                     makeFclPrimitives});
+  methods.push_back({"FCL shape advancement", "FCL shape advancement", "two primitives on straight paths",
+                     "FCL", kHasFcl, makeFclPrimitives});
   methods.push_back({"Bullet convex sweep", "Bullet convexSweepTest",
                      "a sphere on a straight path, a mesh or sphere that does not turn", "Bullet", kHasBullet,
                      makeBulletSweep});

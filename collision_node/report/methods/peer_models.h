@@ -58,21 +58,17 @@ bool all(const QuerySet& set, Test&& holds) {
   return std::all_of(set.queries.begin(), set.queries.end(), holds);
 }
 
-/// Straight paths and less than half a turn in each piece.
-inline bool interpolates(const QuerySet& set) {
-  return all(set, [](const Query& query) {
-    const double most = 3.14 / durationOf(query.piece);
-    return isStraight(query.piece.a) && isStraight(query.piece.b) && query.piece.a.omega.norm() < most &&
-           query.piece.b.omega.norm() < most;
-  });
+/// Straight paths throughout.
+inline bool isStraight(const QuerySet& set) {
+  return all(set, [](const Query& query) { return isStraight(query.piece.a) && isStraight(query.piece.b); });
 }
 
 /// Straight paths and no turning at all.
 inline bool translates(const QuerySet& set) {
-  return all(set, [](const Query& query) {
-    return isStraight(query.piece.a) && isStraight(query.piece.b) && query.piece.a.omega.isZero(0.0) &&
-           query.piece.b.omega.isZero(0.0);
-  });
+  const auto still = [](const Query& query) {
+    return query.piece.a.omega.isZero(0.0) && query.piece.b.omega.isZero(0.0);
+  };
+  return isStraight(set) && all(set, still);
 }
 
 /// B's origin in A's frame at the piece's start and end; for a set that translates.

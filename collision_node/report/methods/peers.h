@@ -9,7 +9,7 @@ namespace collision_node::report {
 
 /// Conservative advancement by hand on fcl::distance (RSS trees, libccd for primitives): t += d / (|v_rel| +
 /// w_a rho_a
-/// + w_b rho_b), a hit at `gap` [m]. Pairs of meshes or of primitives; any motion. Never late; a fly-by
+/// + w_b rho_b), a hit at `gap` [m]. Meshes and primitives; any motion. Never late; a fly-by
 /// within `gap` is a hit to it; no answer after 20 000 steps.
 ContestantPtr makeFclAdvancement(const QuerySet& set, double gap = 1e-5);
 
@@ -21,9 +21,9 @@ ContestantPtr makeFclSamples(const QuerySet& set, int steps);
 /// FCL's own stepping: 1000 samples (OBBRSS trees). Meshes; straight paths, less than half a turn.
 ContestantPtr makeFclSampling(const QuerySet& set);
 
-/// FCL's conservative advancement for pairs of primitives, with libccd; straight paths, less than half a
-/// turn. (That of meshes passes through them.) Its times may be early by a few percent of the piece, so they
-/// judge nobody's lateness.
+/// FCL's conservative advancement for pairs of primitives, with libccd; straight paths, cut into parts of
+/// less than half a turn. (That of meshes passes through them.) Its times may be early by a few percent of
+/// the piece, so they judge nobody's lateness.
 ContestantPtr makeFclPrimitives(const QuerySet& set);
 
 /// Embree's rtcIntersect1 on a robust scene, float: points against a mesh, straight paths without turning.

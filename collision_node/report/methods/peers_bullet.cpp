@@ -140,11 +140,8 @@ ContestantPtr makeBulletSweep(const QuerySet& set) {
 }
 
 ContestantPtr makeBulletContinuous(const QuerySet& set) {
-  const auto straight = [](const Query& query) {
-    return isStraight(query.piece.a) && isStraight(query.piece.b);
-  };
   auto contestant = std::make_unique<BulletContinuous>(set);
-  if (!all(set, straight) || !contestant->complete()) return nullptr;
+  if (!isStraight(set) || !contestant->complete()) return nullptr;
   return contestant;
 }
 

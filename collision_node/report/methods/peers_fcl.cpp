@@ -11,6 +11,8 @@
 #include <fcl/narrowphase/continuous_collision.h>
 #include <fcl/narrowphase/distance.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -174,16 +176,24 @@ class FclContinuous : public FclModels {
   Answer answer(const Query& query) override {
     const impact::Piece& piece = query.piece;
     const double end = durationOf(piece);
-    const fcl::InterpMotion<double> a =
-        motionOf(transform(placeA(piece, 0.0)), transform(placeA(piece, end)));
-    const fcl::InterpMotion<double> b =
-        motionOf(transform(placeB(piece, 0.0)), transform(placeB(piece, end)));
-    fcl::ContinuousCollisionResultd result;
-    fcl::continuousCollide(models_[query.a].get(), &a, models_[query.b].get(), &b, request_, result);
-    return result.is_collide ? hitAt(end * result.time_of_contact) : clear();
+    const double turn = end * std::max(piece.a.omega.norm(), piece.b.omega.norm());
+    const int parts = std::max(1, static_cast<int>(std::ceil(turn / kMostTurn)));
+    for (int i = 0; i < parts; ++i) {
+      const double from = end * i / parts, to = end * (i + 1) / parts;
+      const fcl::InterpMotion<double> a =
+          motionOf(transform(placeA(piece, from)), transform(placeA(piece, to)));
+      const fcl::InterpMotion<double> b =
+          motionOf(transform(placeB(piece, from)), transform(placeB(piece, to)));
+      fcl::ContinuousCollisionResultd result;
+      fcl::continuousCollide(models_[query.a].get(), &a, models_[query.b].get(), &b, request_, result);
+      if (result.is_collide) return hitAt(from + (to - from) * result.time_of_contact);
+    }
+    return clear();
   }
 
  private:
+  static constexpr double kMostTurn =
+      3.14159;  // [rad] below half a turn: its motions take the shorter way round
   fcl::ContinuousCollisionRequestd request_;
   double time_rounding_;
 };
@@ -199,18 +209,18 @@ ContestantPtr make(Arguments&&... arguments) {
 
 ContestantPtr makeFclAdvancement(const QuerySet& set, double gap) {
   ContestantPtr meshes = make<FclAdvancement>(set, meshModel<fcl::RSSd>, gap);
-  return meshes ? std::move(meshes) : make<FclAdvancement>(set, primitiveModel, gap);
+  return meshes ? std::move(meshes) : make<FclAdvancement>(set, anyModel<fcl::RSSd>, gap);
 }
 
 ContestantPtr makeFclSamples(const QuerySet& set, int steps) { return make<FclSamples>(set, steps); }
 
 ContestantPtr makeFclSampling(const QuerySet& set) {
-  if (!interpolates(set)) return nullptr;
+  if (!isStraight(set)) return nullptr;
   return make<FclContinuous>(set, meshModel<fcl::OBBRSSd>, fcl::CCDC_NAIVE, 0.0);
 }
 
 ContestantPtr makeFclPrimitives(const QuerySet& set) {
-  if (!interpolates(set)) return nullptr;
+  if (!isStraight(set)) return nullptr;
   return make<FclContinuous>(set, primitiveModel, fcl::CCDC_CONSERVATIVE_ADVANCEMENT,
                              std::numeric_limits<double>::infinity());
 }

@@ -110,9 +110,9 @@ Trials swarm(std::size_t count) {
     for (int y = 0; y < kWide; ++y) {
       for (int z = 0; z < kHigh; ++z) {
         addBody(set, anyDrone(random));
-        const Vec3 place = 1.5 * Vec3(x, y, z) + random.inBox(Vec3::Constant(-0.3), Vec3::Constant(0.3));
+        const Vec3 place = 1.1 * Vec3(x, y, z) + random.inBox(Vec3::Constant(-0.1), Vec3::Constant(0.1));
         const Quat turned = random.orientation();
-        const Vec3 velocity = random.vector(0.0, 30.0), spin = random.vector(0.0, 20.0);
+        const Vec3 velocity = random.vector(0.0, 60.0), spin = random.vector(0.0, 20.0);
         motions.push_back(flight({place, turned}, velocity, duration, spin));
       }
     }
@@ -122,7 +122,8 @@ Trials swarm(std::size_t count) {
       set.queries.push_back(query(a, b, motions[a], motions[b], duration));
     }
   }
-  return withTruth("swarm", "48 boxes, cylinders, spheres and capsules within 5 m, 30 m/s, 0.1 s: all pairs",
+  return withTruth("swarm",
+                   "48 boxes, cylinders, spheres and capsules within 4 m, up to 60 m/s, 0.1 s: all pairs",
                    std::move(set));
 }
 
