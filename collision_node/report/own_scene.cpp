@@ -60,7 +60,7 @@ int runOwnScene(const Options& options, std::ostream& out) {
   if (rows.empty())
     throw std::runtime_error("no two objects of the scene ever come near each other in these bags");
   writeFile(options.out + "/results.csv", [&rows](std::ostream& file) { writeResults(file, rows); });
-  present(options.out, out);
+  present(options.out, out, "present_scene.py");
   return kDone;
 }
 
