@@ -116,13 +116,12 @@ std::vector<RecordedPair> recordPieces(const std::shared_ptr<const scene::Scene>
   for (const scene::Object& object : scene->objects) {
     for (const scene::Link& link : object.links) names[link.body.get()] = nameOf(object, link);
   }
-  for (const scene::LinkPair& pair : scene->pairs) {
-    if (pair.contact_distance != 0.0)
-      throw std::runtime_error(scene->file + ": the methods compared know no contact_distance, " +
-                               std::to_string(pair.contact_distance) + " m is asked for; leave it out here");
-  }
   const auto factory = [&](const geometry::Body& a, const geometry::Body& b,
                            const impact::PairOptions& options) -> std::unique_ptr<impact::PairMethod> {
+    if (options.contact_distance != 0.0)
+      throw std::runtime_error(scene->file + ": the methods compared know no contact_distance, " +
+                               std::to_string(options.contact_distance) +
+                               " m is asked for; leave it out here");
     watched.push_back(std::make_unique<Watched>());
     watched.back()->a = &a;
     watched.back()->b = &b;
@@ -132,7 +131,7 @@ std::vector<RecordedPair> recordPieces(const std::shared_ptr<const scene::Scene>
   scene::Engine::Sinks sinks;
   sinks.event = [](const scene::Event&) {};
   sinks.stats = [](const scene::Stats&) {};
-  scene::Engine engine(scene, factory, sinks);
+  scene::Engine engine(scene, factory, sinks, scene::EngineOptions());
   messages::PoseRouter router(
       scene, [](const std::string& topic) { return topic.rfind('/', 0) == 0 ? topic : "/" + topic; },
       [&engine](int object, const motion::StampedPose& pose, messages::StampKind kind) {
