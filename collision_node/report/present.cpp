@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 std::string pathOf(const std::string& script) {
   const fs::path self = fs::canonical("/proc/self/exe"), beside = self.parent_path() / script;
   if (fs::exists(beside)) return beside.string();
-  return messages::makeResources(self.string()).package_path("collision_node") +
-         "/collision_node/report/" + script;
+  return messages::makeResources(self.string()).package_path("collision_node") + "/collision_node/report/" +
+         script;
 }
 
 }  // namespace

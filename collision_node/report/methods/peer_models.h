@@ -24,8 +24,7 @@ template <typename T>
 const T* only(const geometry::Body& body) {
   if (body.shapes().size() != 1) return nullptr;
   const geometry::PlacedShape& placed = body.shapes()[0];
-  const bool at_origin =
-      placed.origin.position.isZero(0.0) && placed.origin.orientation.vec().isZero(0.0);
+  const bool at_origin = placed.origin.position.isZero(0.0) && placed.origin.orientation.vec().isZero(0.0);
   return at_origin ? std::get_if<T>(&placed.shape) : nullptr;
 }
 
