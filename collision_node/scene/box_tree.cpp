@@ -59,7 +59,7 @@ std::int32_t BoxTree::bestSibling(const Bounds& box) const {
 std::int32_t BoxTree::insert(const Bounds& box, std::int32_t item) {
   const std::int32_t leaf = newNode();
   nodes_[leaf].box = box;
-  nodes_[leaf].item = item;
+  nodes_[leaf].child[0] = item;
   ++size_;
   if (root_ < 0) {
     root_ = leaf;

@@ -20,7 +20,7 @@ class BoxTree {
   void clear();
 
   const Bounds& box(std::int32_t leaf) const { return nodes_[leaf].box; }
-  std::int32_t item(std::int32_t leaf) const { return nodes_[leaf].item; }
+  std::int32_t item(std::int32_t leaf) const { return nodes_[leaf].child[0]; }
   std::size_t size() const { return size_; }
 
   /// `Question` has meets(const Bounds&), which may err on the side of true. Calls found(leaf).
@@ -40,6 +40,7 @@ class BoxTree {
       if (node.height == 0) {
         found(index);
       } else {
+        __builtin_prefetch(&nodes_[node.child[0]]);
         stack[waiting++] = node.child[0];
         stack[waiting++] = node.child[1];
       }
@@ -49,12 +50,12 @@ class BoxTree {
  private:
   static constexpr int kUsualHeight = 63;  ///< balanced trees of a million leaves have half of it
 
-  struct Node {
+  /// One line of the cache.
+  struct alignas(64) Node {
     Bounds box{Vec3::Zero(), Vec3::Zero()};
     std::int32_t parent = -1;
-    std::int32_t child[2] = {-1, -1};
-    std::int32_t height = 0;  ///< of a leaf: 0
-    std::int32_t item = -1;
+    std::int32_t child[2] = {-1, -1};  ///< of a leaf: its item, and nothing
+    std::int32_t height = 0;           ///< of a leaf: 0
   };
 
   std::int32_t newNode();
