@@ -193,7 +193,7 @@ Lanes fastestLanes() {
 #endif
 }
 
-ShearedFrame::ShearedFrame(const Vec3& o, const Vec3& velocity) {
+void ShearedFrame::follow(const Vec3& o, const Vec3& velocity) {
   velocity.cwiseAbs().maxCoeff(&kz);
   kx = (kz + 1) % 3;
   ky = (kz + 2) % 3;

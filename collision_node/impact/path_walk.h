@@ -24,8 +24,7 @@ Lanes fastestLanes();  ///< of this processor
 /// still in them. A vertex is at (x, y) = what is left of its offset from `origin` there, z its depth along
 /// the path.
 struct ShearedFrame {
-  ShearedFrame() = default;
-  ShearedFrame(const Vec3& origin, const Vec3& velocity);
+  void follow(const Vec3& origin, const Vec3& velocity);
 
   int kx, ky, kz;
   double origin[3];  ///< along kx, ky, kz

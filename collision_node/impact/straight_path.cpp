@@ -287,7 +287,7 @@ StraightPath::StraightPath(const Pair& pair)
   size_ = 2.0 * (max_distance_ + reach);
   error_ = 2.0 * (point_error_ + 2.0 * kTurnError * distance) + 16.0 * kUnit * size_;
 
-  frame_ = ShearedFrame(p_, v_);
+  frame_.follow(p_, v_);
   // A line that is off by the error at both ends of the piece is off by more beyond them, where triangles
   // that it meets in the piece may have vertices.
   const double middle = (bvh_->centre()[frame_.kz] - frame_.origin[2]) * frame_.per_rate,
