@@ -159,7 +159,7 @@ class StraightPath::PointVisitor final : public Collector {
     const Vec3 e1 = b - a, e2 = c - a, n = e1.cross(e2);
     const double n_error = 8.0 * kUnit * sumOf(e1) * sumOf(e2), length = n.norm();
     const double rate = n.dot(path_.v_);
-    const double slowest = std::abs(rate) - (n_error + 8.0 * kUnit * length) * path_.v_.norm();
+    const double slowest = std::abs(rate) - (n_error + 8.0 * kUnit * length) * path_.speed_;
     // In any case between the first and the last vertex along the path.
     const auto depth = std::minmax({seen.z[0], seen.z[1], seen.z[2]});
     const auto time = std::minmax({(depth.first - path_.frame_.error) * path_.frame_.per_rate,
@@ -311,9 +311,10 @@ void StraightPath::first(double from, double to, double width, PathContact& cont
     firstOfPoint(from, to, width, contact, lanes);
   }
   // Near the rounding budget the general search brackets more closely.
-  const double widest = std::max(width, 8.0 * point_error_ / speed_);
-  if (contact.kind == PathContact::Kind::kContact && contact.upper - contact.lower > widest)
+  if (contact.kind == PathContact::Kind::kContact &&
+      contact.upper - contact.lower > std::max(width, 8.0 * point_error_ / speed_)) {
     contact.kind = PathContact::Kind::kCannotTell;
+  }
 }
 
 void StraightPath::firstOfPoint(double from, double to, double width, PathContact& contact,
