@@ -60,6 +60,9 @@ class TfTree {
   /// /clock went back: composed paths hand out what they have and begin anew.
   void clockWentBack();
 
+  /// What the tracks of the chains' edges dropped: late, duplicate. An edge of several chains counts once.
+  scene::InputCounts dropped() const;
+
   /// Labels of followed frames whose chain to the world is not known yet.
   std::vector<std::string> unresolved() const;
   /// Every frame seen, in byte order.

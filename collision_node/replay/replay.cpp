@@ -114,7 +114,7 @@ class Run {
     std::string out;
     for (std::size_t i = 0; i < heard_.size(); ++i)
       if (!heard_[i] && scene_->objects[i].source.type != scene::PoseSource::Type::kFixed)
-        out += " " + scene_->objects[i].name;
+        out += " " + scene_->objects[i].label();
     return out;
   }
 
@@ -126,11 +126,12 @@ class Run {
       if (!heard_[i] && found != router_.faults().end() && found->second.refused > 0)
         throw InputError(found->second.first_refusal + "; " + std::to_string(found->second.refused) +
                          " messages there cannot be used, and no other tells where '" +
-                         scene_->objects[i].name + "' is");
+                         scene_->objects[i].label() + "' is");
     }
   }
 
   void printFaults() const {
+    for (const auto& line : router_.missingJoints()) err_ << "warning: no position of " << line << '\n';
     for (const auto& [topic, faults] : router_.faults()) {
       if (faults.refused > 0)
         err_ << "warning: " << faults.refused << (faults.refused == 1 ? " message" : " messages") << " on "
@@ -142,7 +143,7 @@ class Run {
   }
 
   scene::Stats withMessages(scene::Stats stats) const {
-    stats.rejected += router_.refused();
+    router_.count(stats);
     stats.lost = gaps_.lost();
     return stats;
   }

@@ -347,7 +347,7 @@ void Engine::Impl::publishBefore(const Instant& limit) {
 void Engine::Impl::publishAll() { publishBefore(instantAt(kForEver)); }
 
 void Engine::Impl::heartbeatIfDue() {
-  const auto newest = time_line_.newestReleased();
+  const auto newest = time_line_.now();
   if (!newest) return;
   const Nanoseconds first = *time_line_.firstReleased();
   const Nanoseconds period = std::max<Nanoseconds>(1, toNanoseconds(scene_->stats_period));

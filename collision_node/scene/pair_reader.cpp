@@ -11,8 +11,8 @@ namespace {
 
 /// "tank" or "tank/turret", resolved.
 struct Name {
-  int object = -1;
-  int link = -1;  ///< -1: any
+  std::string object;
+  std::string link;  ///< "": any
 };
 
 struct NamePair {
@@ -24,10 +24,11 @@ struct NamePair {
 /// One link that has a body.
 struct Candidate {
   int object, link;
+  std::string object_name, link_name;  ///< parts of one object share its name
 };
 
 bool fits(const Name& name, const Candidate& candidate) {
-  return name.object == candidate.object && (name.link < 0 || name.link == candidate.link);
+  return name.object == candidate.object_name && (name.link.empty() || name.link == candidate.link_name);
 }
 
 bool fits(const NamePair& pair, const Candidate& a, const Candidate& b) {
@@ -62,31 +63,28 @@ class PairReader {
     }
     const std::size_t slash = node.text.find('/');
     const std::string object_name = node.text.substr(0, slash);
-    Name name;
-    std::vector<std::string> known;
-    for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
-      known.push_back(scene_.objects[i].name);
-      if (scene_.objects[i].name == object_name) name.object = static_cast<int>(i);
+    std::vector<std::string> objects, links;
+    for (const Object& object : scene_.objects) {
+      objects.push_back(object.name);
+      if (object.name != object_name) continue;
+      for (const Link& link : object.links) links.push_back(link.name);
     }
-    if (name.object < 0) {
-      reader_.fault(key, "unknown object '" + object_name + "'" + nearestHint(object_name, known));
+    const auto has = [](const std::vector<std::string>& known, const std::string& word) {
+      return std::find(known.begin(), known.end(), word) != known.end();
+    };
+    if (!has(objects, object_name)) {
+      reader_.fault(key, "unknown object '" + object_name + "'" + nearestHint(object_name, objects));
       return {};
     }
-    if (slash == std::string::npos) return name;
+    if (slash == std::string::npos) return Name{object_name, ""};
     const std::string link_name = node.text.substr(slash + 1);
-    const std::vector<Link>& links = scene_.objects[name.object].links;
-    known.clear();
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      known.push_back(links[i].name);
-      if (links[i].name == link_name) name.link = static_cast<int>(i);
-    }
+    if (has(links, link_name)) return Name{object_name, link_name};
     // An object without links failed to load and has its own fault.
-    if (name.link < 0 && !links.empty()) {
+    if (!links.empty()) {
       reader_.fault(
-          key, "unknown link '" + link_name + "' of '" + object_name + "'" + nearestHint(link_name, known));
+          key, "unknown link '" + link_name + "' of '" + object_name + "'" + nearestHint(link_name, links));
     }
-    if (name.link < 0) return {};
-    return name;
+    return {};
   }
 
   std::optional<NamePair> resolvePair(const YamlNode& node, const std::string& key) {
@@ -142,9 +140,7 @@ class PairReader {
   // ---- pairs
 
   const Link& linkOf(const Candidate& c) const { return scene_.objects[c.object].links[c.link]; }
-  std::string nameOf(const Candidate& c) const {
-    return scene_.objects[c.object].name + "/" + linkOf(c).name;
-  }
+  static std::string nameOf(const Candidate& c) { return c.object_name + "/" + c.link_name; }
 
   static bool anyFits(const std::vector<NamePair>& pairs, const Candidate& a, const Candidate& b) {
     return std::any_of(pairs.begin(), pairs.end(), [&](const NamePair& pair) { return fits(pair, a, b); });
@@ -152,13 +148,13 @@ class PairReader {
 
   bool listedByLinks(const Candidate& a, const Candidate& b) const {
     return std::any_of(only_.begin(), only_.end(), [&](const NamePair& pair) {
-      return pair.a.link >= 0 && pair.b.link >= 0 && fits(pair, a, b);
+      return !pair.a.link.empty() && !pair.b.link.empty() && fits(pair, a, b);
     });
   }
 
   /// Why the two are not watched; "" when they are.
   std::string reasonAgainst(const Candidate& a, const Candidate& b) const {
-    const bool same_object = a.object == b.object;
+    const bool same_object = a.object_name == b.object_name;
     if (same_object && (linkOf(a).parent == linkOf(b).name || linkOf(b).parent == linkOf(a).name)) {
       return "neighbours in the URDF";
     }
@@ -172,12 +168,13 @@ class PairReader {
     std::vector<Candidate> candidates;
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
       for (std::size_t k = 0; k < scene_.objects[i].links.size(); ++k) {
-        if (scene_.objects[i].links[k].body) candidates.push_back({static_cast<int>(i), static_cast<int>(k)});
+        const Object& object = scene_.objects[i];
+        if (object.links[k].body)
+          candidates.push_back({static_cast<int>(i), static_cast<int>(k), object.name, object.links[k].name});
       }
     }
-    std::sort(candidates.begin(), candidates.end(), [&](const Candidate& x, const Candidate& y) {
-      return std::tie(scene_.objects[x.object].name, linkOf(x).name) <
-             std::tie(scene_.objects[y.object].name, linkOf(y).name);
+    std::sort(candidates.begin(), candidates.end(), [](const Candidate& x, const Candidate& y) {
+      return std::tie(x.object_name, x.link_name) < std::tie(y.object_name, y.link_name);
     });
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       for (std::size_t k = i + 1; k < candidates.size(); ++k) decide(candidates[i], candidates[k]);

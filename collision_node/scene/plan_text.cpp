@@ -106,6 +106,14 @@ std::string sourceLine(const PoseSource& source) {
       return "fixed " + formatPose(source.fixed);
     case PoseSource::Type::kTf:
       return "tf frame " + source.tf_frame;
+    case PoseSource::Type::kJoints: {
+      std::string text = "moved by joints";
+      for (const PartJoint& joint : source.joints) {
+        text += (&joint == &source.joints.front() ? " " : ", ") + joint.joint.name;
+        if (joint.joint.driver != joint.joint.name) text += " (mimics " + joint.joint.driver + ")";
+      }
+      return text + " of topic " + source.topic;
+    }
     case PoseSource::Type::kTopic:
       break;
   }
@@ -144,7 +152,9 @@ class Plan {
          << formatReal(scene_.time.max_gap) << " s, timeout " << formatReal(scene_.time.timeout)
          << " s, jump " << formatReal(scene_.time.jump) << " s; stats every "
          << formatReal(scene_.stats_period) << " s\n";
-    out_ << "\nobjects (" << scene_.objects.size() << "):\n";
+    std::set<std::string> names;
+    for (const Object& object : scene_.objects) names.insert(object.name);
+    out_ << "\nobjects (" << names.size() << "):\n";
     for (const Object& object : scene_.objects) writeObject(object);
     writePairs();
     writeUnwatched();
@@ -156,7 +166,7 @@ class Plan {
 
  private:
   void writeObject(const Object& object) {
-    out_ << "  " << object.name << ": " << sourceLine(object.source);
+    out_ << "  " << object.label() << ": " << sourceLine(object.source);
     if (!isFixed(object)) {
       out_ << "; motion " << motionName(object.motion) << "; on timeout "
            << (object.on_timeout == OnTimeout::kDrop ? "drop" : "freeze");
@@ -252,7 +262,7 @@ class Plan {
     bool mesh = false, zone = false, topic = false, tf = false;
     for (const Object& object : scene_.objects) {
       zone = zone || !object.zones.empty();
-      topic = topic || object.source.type == PoseSource::Type::kTopic;
+      topic = topic || !object.source.topic.empty();
       tf = tf || object.source.type == PoseSource::Type::kTf;
       for (const Link& link : object.links) {
         for (const geo::PlacedShape& shape : link.shapes) mesh = mesh || meshOf(shape.shape) != nullptr;

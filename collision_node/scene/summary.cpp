@@ -50,7 +50,7 @@ void countInputs(const Scene& scene, const TimeLine& time_line, const std::vecto
                  Stats& stats) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const Track& track = time_line.tracks()[i];
-    if (had_hole[i] != 0 || isMissed(track)) stats.uncovered_objects.push_back(scene.objects[i].name);
+    if (had_hole[i] != 0 || isMissed(track)) stats.uncovered_objects.push_back(scene.objects[i].label());
     const InputCounts& counts = track.counts();
     stats.accepted += counts.accepted;
     stats.reordered += counts.reordered;
@@ -61,7 +61,7 @@ void countInputs(const Scene& scene, const TimeLine& time_line, const std::vecto
     const std::optional<Hole>& hole = track.firstHole();
     if (hole && (!stats.first_hole || *hole < *stats.first_hole)) {
       stats.first_hole = hole;
-      stats.first_hole_object = scene.objects[i].name;
+      stats.first_hole_object = scene.objects[i].label();
     }
   }
 }
