@@ -121,7 +121,8 @@ class Builder {
   void followMimics(UrdfJoint& joint) const {
     UrdfJoint result = joint;
     std::set<std::string> passed{joint.name};
-    while (joint.fault.empty() && result.driver != joint.name) {
+    const bool mimics = joint.driver != joint.name;
+    while (mimics && joint.fault.empty()) {
       const auto next = std::find_if(model_.links.begin(), model_.links.end(),
                                      [&](const UrdfLink& link) { return link.joint.name == result.driver; });
       if (next == model_.links.end() || next->joint.kind == UrdfJoint::Kind::kFixed) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "collision_node/scene/moving_parts.h"
+#include "collision_node/scene/segment.h"
 #include "test/support/scene_texts.h"
 
 namespace collision_node::scene {
@@ -114,7 +115,7 @@ TEST_F(MovingParts, linksAndJointsAreRefusedWhereTheyMeanNothing) {
              "objects/arm/pose/links: links: true and joints both say how the links move");
   EXPECT_HAS(refusalOfArm("    pose: {fixed: {}}\n    joints: {}\n"), "objects/arm/joints: no topic");
   EXPECT_HAS(refusalOfArm("    pose: {fixed: {}}\n    joints: {topc: j}\n"),
-             "'topc' is not known; nearest known: 'topic'");
+             "unknown key 'topc'; nearest known: 'topic'");
   EXPECT_HAS(refusalOfArm("    joints: {topic: j}\n"), "objects/arm: no pose");
 }
 
