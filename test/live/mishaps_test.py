@@ -172,6 +172,7 @@ def main():
                          for early in (True, False)]
         _, expected_of_second = replayed(replay, folder, second, environment)
         before = live.count()
+        del live.heard[:]
         live.publish(first)
         wait(children, 'the poses before the clock goes back', lambda: live.count() >= before + len(first))
         clock.publish(rospy.Time(3))
