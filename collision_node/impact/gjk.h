@@ -52,6 +52,11 @@ struct Closest {
 /// close as `enough` will do, and so will a distance beyond it that is too large by the share `loss`.
 Closest closestPoints(const Cores& cores, const Vec3& guess, double enough = 0.0, double loss = 0.0);
 
+/// A cylinder and the vertices and edges of the other core that `hint` names: their closest points to
+/// rounding, where GJK only creeps towards the rim. At most two points, both with one point of the cylinder;
+/// none (count 0) for other pairs.
+Closest closestOnEdges(const Cores& cores, const Closest& hint);
+
 /// The largest distance of a point of the element's core from its object's origin, to rounding.
 double coreReach(const Element& element);
 

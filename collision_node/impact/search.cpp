@@ -44,6 +44,9 @@ double apartFrom(const PairPiece& piece, const Instant& now, const Element& a, c
     for (const Axis& other : featureAxes(piece, now, a, b)) {
       if (cores.gapAlong(other.direction) > radius) propose(other);
     }
+    if (best == 0.0) {
+      for (const Axis& other : rimAxes(piece, now, a, b, closest)) propose(other);
+    }
   }
   return best;
 }
