@@ -41,10 +41,9 @@ class ObjectReader {
     readMotion();
     readZones();
     std::vector<Object> parts = readSource(reader_, std::move(object_));
-    for (Object& part : parts) {
-      warnOfBounds(part);
+    warnOfBounds(parts.back());  // of several, it hangs on the others
+    for (Object& part : parts)
       for (Link& link : part.links) buildBody(link);
-    }
     reader_.done();
     return parts;
   }
@@ -265,7 +264,7 @@ class ObjectReader {
     if ((type == PoseSource::Type::kTf || type == PoseSource::Type::kJoints) &&
         (reader_.has("acceleration") || reader_.has("angular_acceleration")))
       warnings_.push_back(
-          part.label() +
+          part.name +
           ": a pose from tf or joints may be composed of several, at whose stamps the body need not have "
           "been there; accelerations are not used, the model_ fields of events stay NaN");
   }

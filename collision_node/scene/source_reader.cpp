@@ -67,7 +67,10 @@ class SourceReader {
     if (const auto model = pose.text("model")) source.model = *model;
     if (const auto link = pose.text("link")) source.link = *link;
     for (const char* key : {"index", "model", "link"}) {
-      if (pose.has(key) && !pose.has("topic")) pose.fault(key, "only meant beside topic; remove it");
+      if (!pose.has(key) || pose.has("topic")) continue;
+      const bool means_links = std::string(key) == "link" && pose.has("tf");
+      pose.fault(key, means_links ? "only meant beside topic; links: true moves each link by its tf frame"
+                                  : "only meant beside topic; remove it");
     }
     if (pose.has("index") + pose.has("model") + pose.has("link") > 1) {
       pose.fault(

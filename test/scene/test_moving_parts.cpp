@@ -117,6 +117,9 @@ TEST_F(MovingParts, linksAndJointsAreRefusedWhereTheyMeanNothing) {
   EXPECT_HAS(refusalOfArm("    pose: {fixed: {}}\n    joints: {topc: j}\n"),
              "unknown key 'topc'; nearest known: 'topic'");
   EXPECT_HAS(refusalOfArm("    joints: {topic: j}\n"), "objects/arm: no pose");
+  EXPECT_HAS(refusalOfArm("    pose: {tf: base}\n    joint: {topic: j}\n"), "nearest known: 'joints'");
+  EXPECT_HAS(refusalOfArm("    pose: {tf: base, link: true}\n"),
+             "objects/arm/pose/link: only meant beside topic; links: true moves each link by its tf frame");
 }
 
 TEST_F(MovingParts, neighboursAreNeverPairedAndLinksOfOneObjectOnlyWhenAsked) {
