@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <optional>
-#include <tuple>
+#include <set>
+#include <utility>
 
 #include "collision_node/scene/map_reader.h"
 
@@ -140,7 +141,6 @@ class PairReader {
   // ---- pairs
 
   const Link& linkOf(const Candidate& c) const { return scene_.objects[c.object].links[c.link]; }
-  static std::string nameOf(const Candidate& c) { return c.object_name + "/" + c.link_name; }
 
   static bool anyFits(const std::vector<NamePair>& pairs, const Candidate& a, const Candidate& b) {
     return std::any_of(pairs.begin(), pairs.end(), [&](const NamePair& pair) { return fits(pair, a, b); });
@@ -164,35 +164,53 @@ class PairReader {
     return "";
   }
 
-  void pairUp() {
-    std::vector<Candidate> candidates;
-    for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
-      for (std::size_t k = 0; k < scene_.objects[i].links.size(); ++k) {
-        const Object& object = scene_.objects[i];
-        if (object.links[k].body)
-          candidates.push_back({static_cast<int>(i), static_cast<int>(k), object.name, object.links[k].name});
-      }
-    }
-    std::sort(candidates.begin(), candidates.end(), [](const Candidate& x, const Candidate& y) {
-      return std::tie(x.object_name, x.link_name) < std::tie(y.object_name, y.link_name);
-    });
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      for (std::size_t k = i + 1; k < candidates.size(); ++k) decide(candidates[i], candidates[k]);
-    }
+  /// Indices of the objects with this name.
+  std::vector<int> partsOf(const std::string& name) const {
+    const std::vector<Object>& objects = scene_.objects;
+    auto at =
+        std::lower_bound(objects.begin(), objects.end(), name,
+                         [](const Object& object, const std::string& word) { return object.name < word; });
+    std::vector<int> parts;
+    for (; at != objects.end() && at->name == name; ++at)
+      parts.push_back(static_cast<int>(at - objects.begin()));
+    return parts;
   }
 
-  void decide(const Candidate& a, const Candidate& b) {
-    const std::string reason = reasonAgainst(a, b);
-    if (!reason.empty()) {
-      scene_.unwatched.emplace_back(nameOf(a), nameOf(b));
-      scene_.unwatched_reasons.push_back(reason);
-      return;
+  /// Two objects that no entry names follow the rule; the others get their verdicts one by one.
+  void pairUp() {
+    scene_.pairs = PairRules(default_distance_);
+    if (has_only_) scene_.pairs.watchNothingElse("not listed in pairs/only");
+    std::set<std::pair<int, int>> named;
+    const auto name = [&](const std::string& a, const std::string& b) {
+      for (const int i : partsOf(a))
+        for (const int k : partsOf(b)) named.insert(std::minmax(i, k));
+    };
+    for (const std::vector<NamePair>* entries : {&ignore_, &only_, &distances_})
+      for (const NamePair& entry : *entries) name(entry.a.object, entry.b.object);
+    for (const Object& object : scene_.objects)
+      if (object.links.size() > 1 || !object.part.empty()) name(object.name, object.name);
+    for (const auto& [a, b] : named) decide(a, b);
+  }
+
+  Candidate candidate(int object, int link) const {
+    return {object, link, scene_.objects[object].name, scene_.objects[object].links[link].name};
+  }
+
+  void decide(int object_a, int object_b) {
+    std::vector<PairVerdict> verdicts;
+    const std::vector<int> links_a = linksWithBody(scene_.objects[object_a]);
+    const std::vector<int> links_b = linksWithBody(scene_.objects[object_b]);
+    for (std::size_t i = 0; i < links_a.size(); ++i) {
+      for (std::size_t k = object_a == object_b ? i + 1 : 0; k < links_b.size(); ++k) {
+        const Candidate a = candidate(object_a, links_a[i]), b = candidate(object_b, links_b[k]);
+        LinkPair pair{a.object, a.link, b.object, b.link, default_distance_};
+        for (const NamePair& entry : distances_) {
+          if (fits(entry, a, b)) pair.contact_distance = entry.contact_distance;
+        }
+        verdicts.push_back({pair, reasonAgainst(a, b)});
+      }
     }
-    LinkPair pair{a.object, a.link, b.object, b.link, default_distance_};
-    for (const NamePair& entry : distances_) {
-      if (fits(entry, a, b)) pair.contact_distance = entry.contact_distance;
-    }
-    scene_.pairs.push_back(pair);
+    scene_.pairs.set(object_a, object_b, std::move(verdicts));
   }
 
   MapReader reader_;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "collision_node/scene/smallest.h"
 #include "collision_node/scene/track.h"
 
 namespace collision_node::scene {
@@ -54,7 +55,7 @@ class TimeLine {
   /// Released or not. Requires a watermark.
   Nanoseconds newestDelivered() const;
   const std::vector<Track>& tracks() const { return tracks_; }
-  /// Tracks that have released something or changed their status since the last call, ascending.
+  /// Tracks that have released something or changed their status since the last call.
   std::vector<int> takeChanged();
   /// Forgets a track's samples before `index`.
   void dropBefore(int track, std::size_t index) { tracks_[track].dropBefore(index); }
@@ -73,9 +74,10 @@ class TimeLine {
   std::optional<Nanoseconds> began_, now_;  ///< first and newest, of the pacers
   std::vector<char> paces_;                 ///< by track: it moves, and is not sent ahead of its time
   int pacers_ = 0;
-  Nanoseconds next_check_ns_;  ///< no track can have timed out before the newest stamp passes this
-  int holder_ = -1;            ///< the track that holds the watermark back; -1: must be looked for
+  Nanoseconds next_check_ns_;        ///< no track can have timed out before the newest stamp passes this
+  Smallest<Nanoseconds> frontiers_;  ///< by track: how far it lets the watermark go
   std::vector<char> is_changed_;
+  std::vector<int> changed_;  ///< those of is_changed_
 };
 
 }  // namespace collision_node::scene

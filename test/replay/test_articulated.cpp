@@ -226,6 +226,28 @@ TEST_F(Articulated, linksOfOneObjectAreSweptAgainstEachOther) {
   expectAt(through_tf[0], "IMPACT", "left", "right", 0.45);
 }
 
+/// Side a is the link with the smaller name, whichever comes first in the URDF; the normal goes from a to b.
+TEST_F(Articulated, theSidesOfAnEventAreInTheOrderOfTheirLinksNames) {
+  write([](rosbag::Bag& bag) {
+    for (int ms = 0; ms <= 900; ms += 300)
+      bag.write("/joint_states", after(ms), jointAt(ms, "close", 1e-3 * ms));
+  });
+  for (const char* left : {"left", "zleft"}) {
+    std::string urdf = kFingers;
+    for (std::size_t at = urdf.find("'left'"); at != std::string::npos; at = urdf.find("'left'", at + 1))
+      urdf.replace(at, 6, std::string("'") + left + "'");
+    const auto got = events(
+        run(urdf, "pose: {fixed: {}}, joints: {topic: joint_states}", "[9, 9, 9]", "pairs: {self: true}\n"));
+    ASSERT_EQ(got.size(), 2u);
+    const bool swapped = left[0] == 'z';
+    expectAt(got[0], "IMPACT", swapped ? "right" : "left", swapped ? "zleft" : "right", 0.45);
+    const double towards_b = swapped ? -1.0 : 1.0;
+    EXPECT_NEAR(got[0]["normal"]["x"].as<double>(), towards_b, 1e-6);
+    EXPECT_NEAR(got[0]["relative_velocity"]["x"].as<double>(), -2.0 * towards_b, 1e-9);
+    EXPECT_GT(got[0]["closing_speed"].as<double>(), 1.9);
+  }
+}
+
 TEST_F(Articulated, whatIsMissingOrWrongIsNamed) {
   const std::string links = "pose: {tf: base, links: true}";
   const std::string joints = "pose: {topic: base}, joints: {topic: joint_states}";
