@@ -8,6 +8,7 @@
 #include "collision_node/messages/convert.h"
 #include "collision_node/messages/deserialise.h"
 #include "collision_node/messages/event_text.h"
+#include "collision_node/scene/fingerprint.h"
 
 namespace collision_node::messages {
 
@@ -89,6 +90,13 @@ std::vector<PoseReading> PathMemory::news(std::vector<PoseReading> path) {
   newest_ = std::max(end_ns, newest_.value_or(end_ns));
   before_ = std::move(path);
   return out;
+}
+
+void PathMemory::describe(scene::Fingerprint& to) const {
+  to.add(newest_);
+  if (!newest_) return;
+  to.add(before_.size());
+  for (const PoseReading& reading : before_) to.add(reading.pose);
 }
 
 }  // namespace collision_node::messages

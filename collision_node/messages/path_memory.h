@@ -8,6 +8,10 @@
 
 #include "collision_node/messages/pose_reader.h"
 
+namespace collision_node::scene {
+class Fingerprint;
+}
+
 namespace collision_node::messages {
 
 extern const char* const kPath;     ///< nav_msgs/Path
@@ -34,6 +38,8 @@ class PathMemory {
   std::vector<PoseReading> news(std::vector<PoseReading> path);
   /// The next path is the first.
   void forget() { newest_.reset(); }
+  /// All that what is handed on later depends on.
+  void describe(scene::Fingerprint& to) const;
 
   std::uint64_t duplicates() const { return duplicates_; }
   std::uint64_t late() const { return late_; }

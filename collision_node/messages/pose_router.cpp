@@ -192,6 +192,12 @@ void PoseRouter::clockWentBack() {
     for (Target& target : entry.second) target.paths.forget();
 }
 
+void PoseRouter::describe(scene::Fingerprint& to) const {
+  tf_.describe(to);
+  for (const auto& entry : targets_)
+    for (const Target& target : entry.second) target.paths.describe(to);
+}
+
 void PoseRouter::reset() {
   flush();
   for (auto& entry : targets_)

@@ -69,6 +69,8 @@ class PoseRouter {
   void reset();
 
   const TfTree& tf() const { return tf_; }
+  /// All that the poses it hands out later depend on.
+  void describe(scene::Fingerprint& to) const;
 
   /// By topic; topics without a fault are absent.
   const std::map<std::string, TopicFaults>& faults() const { return faults_; }

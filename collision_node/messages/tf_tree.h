@@ -62,6 +62,8 @@ class TfTree {
 
   /// What the tracks of the chains' edges dropped: late, duplicate. An edge of several chains counts once.
   scene::InputCounts dropped() const;
+  /// All that the poses it hands out later depend on, of frames whose chain is known.
+  void describe(scene::Fingerprint& to) const;
 
   /// Labels of followed frames whose chain to the world is not known yet.
   std::vector<std::string> unresolved() const;
