@@ -180,12 +180,13 @@ void Body::storeInOrderOfTheTree() {
   });
 }
 
-const WideBvh& Body::wideBvh() const {
+const WideBvh& Body::buildWide() const {
   std::call_once(wide_built_, [this] {
-    wide_ = std::make_unique<WideBvh>(vertices_, triangle_count_, [this](std::int32_t i) {
+    wide_ = std::make_unique<const WideBvh>(vertices_, triangle_count_, [this](std::int32_t i) {
       const std::int32_t* v = triangles_[i].v;
       return WideBvh::Corners{v[0], v[1], v[2]};
     });
+    wide_ready_.store(wide_.get(), std::memory_order_release);
   });
   return *wide_;
 }
@@ -196,6 +197,10 @@ int Body::shapeOf(std::int32_t id) const {
   while (first_triangle_of_shape_[shape] < 0 || first_triangle_of_shape_[shape] > triangles_[id].loaded)
     --shape;
   return shape;
+}
+
+std::int32_t Body::triangleOf(std::int32_t id) const {
+  return triangles_[id].loaded - first_triangle_of_shape_[shapeOf(id)];
 }
 
 Element Body::element(std::int32_t id, Vec3* buffer) const {

@@ -1,6 +1,7 @@
 /// One link as the solver sees it: convex elements in the object's frame under a bounding volume hierarchy.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -42,12 +43,19 @@ class Body {
   }
   /// Elements below this are triangles, the others primitives.
   std::int32_t triangleCount() const { return triangle_count_; }
-  /// The triangles alone, for paths of points and spheres; built by the first call, from any thread. At least
-  /// one triangle is needed.
-  const WideBvh& wideBvh() const;
+  /// For paths of points and spheres past a body of triangles only; built by the first call, from any thread.
+  const WideBvh& wideBvh() const {
+    const WideBvh* built = wide_ready_.load(std::memory_order_acquire);
+    return built != nullptr ? *built : buildWide();
+  }
   /// Fills `buffer[0..2]` for a triangle; the returned view points into `buffer` or into the body.
   Element element(std::int32_t id, Vec3* buffer) const;
-  int shapeOf(std::int32_t id) const;  ///< index into shapes()
+  /// The same for what is no triangle.
+  const Element& primitive(std::int32_t id) const {
+    return primitives_[static_cast<std::size_t>(id - triangle_count_)];
+  }
+  int shapeOf(std::int32_t id) const;              ///< index into shapes()
+  std::int32_t triangleOf(std::int32_t id) const;  ///< index into its mesh's triangles
 
   const Bvh& bvh() const { return bvh_; }
   const std::vector<int>& solids() const { return solids_; }  ///< shapes that are closed meshes
@@ -67,6 +75,7 @@ class Body {
   };
 
   void storeInOrderOfTheTree();
+  const WideBvh& buildWide() const;
 
   std::vector<PlacedShape> shapes_;
   std::vector<Vec3> vertices_;
@@ -81,6 +90,7 @@ class Body {
   std::int32_t triangle_count_ = 0;
   mutable std::once_flag wide_built_;
   mutable std::unique_ptr<const WideBvh> wide_;
+  mutable std::atomic<const WideBvh*> wide_ready_{nullptr};
 };
 
 }  // namespace collision_node::geometry

@@ -2,67 +2,119 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
+
+#include "collision_node/geometry/round_to_float.h"
 
 namespace collision_node::geometry {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-float roundedUp(double x) {
-  const auto f = static_cast<float>(x);
-  return static_cast<double>(f) < x ? std::nextafter(f, kInfinity) : f;
-}
+typedef float Four __attribute__((vector_size(16)));
 
-float roundedDown(double x) { return -roundedUp(-x); }
-
-/// A box of floats, four lanes so that a compiler may use one register; the last is not looked at.
+/// A box of floats, one register a side; the last lanes are not looked at.
 struct Box {
-  float lower[4] = {kInfinity, kInfinity, kInfinity, kInfinity};
-  float upper[4] = {-kInfinity, -kInfinity, -kInfinity, -kInfinity};
+  Four lower = {kInfinity, kInfinity, kInfinity, kInfinity};
+  Four upper = {-kInfinity, -kInfinity, -kInfinity, -kInfinity};
 
   void add(const Box& o) {
-    for (int k = 0; k < 4; ++k) {
-      lower[k] = o.lower[k] < lower[k] ? o.lower[k] : lower[k];
-      upper[k] = o.upper[k] > upper[k] ? o.upper[k] : upper[k];
-    }
+    lower = o.lower < lower ? o.lower : lower;
+    upper = o.upper > upper ? o.upper : upper;
   }
   float halfArea() const {
     const float x = upper[0] - lower[0], y = upper[1] - lower[1], z = upper[2] - lower[2];
     return x * y + y * z + z * x;
   }
+  float twiceCentre(int axis) const { return lower[axis] + upper[axis]; }
+  int longestAxis() const {
+    int axis = 0;
+    for (int k = 1; k < 3; ++k) {
+      if (upper[k] - lower[k] > upper[axis] - lower[axis]) axis = k;
+    }
+    return axis;
+  }
 };
 
-struct Entry {
+/// An element's box, with its number in a lane that nobody looks at: two to a line of the cache.
+struct alignas(32) Entry {
   Box box;
-  std::int32_t element;
 
-  float twiceCentre(int axis) const { return box.lower[axis] + box.upper[axis]; }
+  void setElement(std::int32_t element) {
+    float bits;
+    std::memcpy(&bits, &element, sizeof bits);
+    box.upper[3] = bits;
+  }
+  std::int32_t element() const {
+    std::int32_t element;
+    std::memcpy(&element, reinterpret_cast<const char*>(&box.upper) + 12, sizeof element);
+    return element;
+  }
+};
+
+/// Boxes of the entries of a range, by where their centres lie along the range's longest axis.
+struct Bins {
+  static constexpr int kMost = 16;
+  int axis = 0, count = 0;  ///< count 0: not used
+  float low = 0.0F, scale = 0.0F;
+  Box box[kMost];
+  std::int32_t held[kMost];
+
+  void prepare(const Box& all, std::size_t entries) {
+    axis = all.longestAxis();
+    low = 2.0F * all.lower[axis];
+    const float extent = 2.0F * (all.upper[axis] - all.lower[axis]);
+    count = entries < 32 ? 8 : kMost;
+    scale = static_cast<float>(count) / extent;
+    if (!(scale < kInfinity)) scale = 0.0F;
+    std::fill(box, box + count, Box());
+    std::fill(held, held + count, 0);
+  }
+  int of(const Entry& e) const {
+    return std::clamp(static_cast<int>((e.box.twiceCentre(axis) - low) * scale), 0, count - 1);
+  }
+  void add(const Entry& e) {
+    const int bin = of(e);
+    box[bin].add(e.box);
+    ++held[bin];
+  }
 };
 
 /// Entries [begin, end) and the box around them.
-struct Range {
+struct Part {
   std::size_t begin = 0, end = 0;
   Box box;
 
   std::size_t count() const { return end - begin; }
 };
 
+/// Many entries, and how they lie in the box.
+struct Range : Part {
+  Bins bins;
+};
+
+/// Makes blocks depth first. Each level reads the entries once: what goes to a half is counted into the
+/// half's own bins on the way. `holds(node, begin, end)` is told which entries a node holds.
+template <typename Holds>
 class Builder {
  public:
-  using Holds = std::function<void(std::int32_t node, std::size_t begin, std::size_t end)>;
-
   Builder(std::vector<Entry>& entries, const Vec3& origin, std::vector<BvhBlock>& blocks, Holds holds)
-      : entries_(entries), origin_(origin), blocks_(blocks), holds_(std::move(holds)) {
+      : entries_(entries),
+        aside_(entries.size()),
+        origin_(origin),
+        blocks_(blocks),
+        holds_(std::move(holds)) {
     blocks_.reserve(entries.size() / 2 + 2);
-    Range all{0, entries.size(), {}};
+    Range all;
+    all.end = entries.size();
     for (const Entry& e : entries) all.box.add(e.box);
+    if (all.count() > kFew) countBins(all);
     addBlock();
     setNode(0, 0, all);
   }
 
  private:
-  static constexpr int kBins = 16;
   static constexpr std::size_t kWidth = BvhBlock::kWidth, kFew = 16;
 
   std::int32_t addBlock() {
@@ -80,12 +132,12 @@ class Builder {
     return static_cast<std::int32_t>(blocks_.size()) - 1;
   }
 
-  /// Sets box, reach and link, and builds what lies below.
-  void setNode(std::int32_t block, int lane, const Range& range) {
-    holds_(BvhBlock::kWidth * block + lane, range.begin, range.end);
+  /// Sets box and reach; returns the node's number.
+  void setBox(std::int32_t block, int lane, const Box& box, std::size_t begin, std::size_t end) {
+    holds_(BvhBlock::kWidth * block + lane, begin, end);
     double reach2 = 0.0;
     for (int k = 0; k < 3; ++k) {
-      const double lower = range.box.lower[k], upper = range.box.upper[k];
+      const double lower = box.lower[k], upper = box.upper[k];
       const auto centre = static_cast<float>(0.5 * (lower + upper));
       const double c = centre;
       blocks_[block].centre[k][lane] = centre;
@@ -94,110 +146,180 @@ class Builder {
       reach2 += far * far;
     }
     blocks_[block].reach[lane] = roundedUp(std::sqrt(reach2) * (1.0 + 1e-15));
-    blocks_[block].link[lane] = range.count() == 1 ? ~entries_[range.begin].element : split(range);
+  }
+
+  /// Sets box, reach and link, and builds what lies below.
+  template <typename Any>
+  void setNode(std::int32_t block, int lane, Any& range) {
+    setBox(block, lane, range.box, range.begin, range.end);
+    const std::int32_t link = linkOf(range);
+    blocks_[block].link[lane] = link;
+  }
+  std::int32_t linkOf(Range& range) {
+    return range.count() > kFew ? split(range) : linkOf(static_cast<Part&>(range));
+  }
+  std::int32_t linkOf(Part& part) {
+    if (part.count() == 1) return ~entries_[part.begin].element();
+    return part.count() <= kWidth ? leaves(part) : split(part);
+  }
+
+  /// A block of leaves, one for each entry.
+  std::int32_t leaves(const Part& range) {
+    const std::int32_t block = addBlock();
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+      const int lane = static_cast<int>(i - range.begin);
+      setBox(block, lane, entries_[i].box, i, i + 1);
+      blocks_[block].link[lane] = ~entries_[i].element();
+    }
+    return block;
   }
 
   /// A block of two to four nodes for the range: the largest is halved until there are four.
-  std::int32_t split(const Range& range) {
-    Range ranges[BvhBlock::kWidth] = {range};
+  template <typename Any>
+  std::int32_t split(const Any& range) {
+    Any ranges[BvhBlock::kWidth];
+    ranges[0] = range;
     int count = 1;
-    const std::size_t most = range.count() > kWidth ? kWidth : 1;  // a block of leaves stays together
     while (count < BvhBlock::kWidth) {
       int largest = -1;
       for (int i = 0; i < count; ++i) {
-        if (ranges[i].count() > most &&
+        if (ranges[i].count() > kWidth &&  // a block of leaves stays together
             (largest < 0 || ranges[i].box.halfArea() > ranges[largest].box.halfArea()))
           largest = i;
       }
       if (largest < 0) break;
-      Box halves[2];
-      const std::size_t middle =
-          halve(ranges[largest].begin, ranges[largest].end, ranges[largest].box, halves);
-      ranges[count++] = {middle, ranges[largest].end, halves[1]};
-      ranges[largest] = {ranges[largest].begin, middle, halves[0]};
+      halve(ranges[largest], ranges[count++]);
     }
     const std::int32_t block = addBlock();
     for (int i = 0; i < count; ++i) setNode(block, i, ranges[i]);
     return block;
   }
 
-  /// Puts the entries of the first child before those of the second; fills their boxes.
-  std::size_t halve(std::size_t begin, std::size_t end, const Box& box, Box halves[2]) {
-    int axis = 0;
-    for (int k = 1; k < 3; ++k) {
-      if (box.upper[k] - box.lower[k] > box.upper[axis] - box.lower[axis]) axis = k;
-    }
-    const float low = 2.0F * box.lower[axis], extent = 2.0F * (box.upper[axis] - box.lower[axis]);
-    std::size_t middle = begin;
-    const std::size_t count = end - begin;
-    if (count > kWidth && extent > 0.0F) middle = splitByArea(begin, end, axis, low, extent, halves);
-    if (middle == begin || middle == end) middle = splitByCount(begin, end, begin + count / 2, axis, halves);
-    // Few elements: whole blocks of leaves, so that lanes and memory are not spent on nothing.
-    if (count > kWidth && count <= kFew && (middle - begin) % kWidth != 0) {
-      const std::size_t left = std::max<std::size_t>(kWidth, (middle - begin + kWidth / 2) / kWidth * kWidth);
-      middle = splitByCount(begin, end, begin + (left < count ? left : left - kWidth), axis, halves);
-    }
-    return middle;
+  void countBins(Range& range) {
+    range.bins.prepare(range.box, range.count());
+    for (std::size_t i = range.begin; i < range.end; ++i) range.bins.add(entries_[i]);
   }
 
-  std::size_t splitByCount(std::size_t begin, std::size_t end, std::size_t middle, int axis, Box halves[2]) {
-    const auto at = [&](std::size_t i) { return entries_.begin() + static_cast<std::ptrdiff_t>(i); };
-    std::nth_element(at(begin), at(middle), at(end), [axis](const Entry& x, const Entry& y) {
-      const float a = x.twiceCentre(axis), b = y.twiceCentre(axis);
-      return a != b ? a < b : x.element < y.element;  // a total order: the same tree everywhere
-    });
-    halves[0] = halves[1] = Box();
-    for (std::size_t i = begin; i < end; ++i) halves[i < middle ? 0 : 1].add(entries_[i].box);
-    return middle;
+  /// Leaves the first half in `range`, puts the other into `behind`.
+  void halve(Range& range, Range& behind) {
+    if (range.count() <= kFew) {
+      halve(static_cast<Part&>(range), static_cast<Part&>(behind));
+    } else if (!halveByArea(range, behind)) {
+      halveByCount(range, behind);
+    }
   }
 
-  std::size_t splitByArea(std::size_t begin, std::size_t end, int axis, float low, float extent,
-                          Box halves[2]) {
-    const int bins = end - begin < 32 ? 8 : kBins;
-    Box boxes[kBins];
-    int counts[kBins] = {};
-    const float scale = static_cast<float>(bins) / extent;
-    const auto binOf = [&](const Entry& e) {
-      return std::clamp(static_cast<int>((e.twiceCentre(axis) - low) * scale), 0, bins - 1);
+  /// Few elements: the best of the places that leave whole blocks of leaves, so that lanes and memory are not
+  /// spent on nothing.
+  void halve(Part& range, Part& behind) {
+    const std::size_t count = range.count();
+    Entry* const e = &entries_[range.begin];
+    const auto before = ordered(range.box.longestAxis());
+    for (std::size_t i = 1; i < count; ++i) {
+      const Entry moved = e[i];
+      std::size_t place = i;
+      for (; place > 0 && before(moved, e[place - 1]); --place) e[place] = e[place - 1];
+      e[place] = moved;
+    }
+    Box after[kFew];  // everything from entry i on
+    after[count - 1] = e[count - 1].box;
+    for (std::size_t i = count - 1; i > 0; --i) {
+      after[i - 1] = after[i];
+      after[i - 1].add(e[i - 1].box);
+    }
+    Box first;
+    float best = kInfinity;
+    std::size_t left = 0;
+    for (std::size_t i = 0; i + 1 < count; ++i) {
+      first.add(e[i].box);
+      if ((i + 1) % kWidth != 0) continue;
+      const float cost = static_cast<float>(i + 1) * first.halfArea() +
+                         static_cast<float>(count - i - 1) * after[i + 1].halfArea();
+      if (left != 0 && !(cost < best)) continue;
+      best = cost;
+      left = i + 1;
+      range.box = first;
+    }
+    behind.begin = range.begin + left;
+    behind.end = range.end;
+    behind.box = after[left];
+    range.end = behind.begin;
+  }
+
+  /// A total order: the same tree everywhere.
+  static auto ordered(int axis) {
+    return [axis](const Entry& x, const Entry& y) {
+      const float a = x.box.twiceCentre(axis), b = y.box.twiceCentre(axis);
+      return a != b ? a < b : x.element() < y.element();
     };
-    for (std::size_t i = begin; i < end; ++i) {
-      const int bin = binOf(entries_[i]);
-      boxes[bin].add(entries_[i].box);
-      ++counts[bin];
+  }
+
+  void halveByCount(Range& range, Range& behind) {
+    const std::size_t middle = range.begin + range.count() / 2;
+    const auto at = [&](std::size_t i) { return entries_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(range.begin), at(middle), at(range.end), ordered(range.bins.axis));
+    behind.begin = middle;
+    behind.end = range.end;
+    range.end = middle;
+    for (Range* half : {&range, &behind}) {
+      half->box = Box();
+      for (std::size_t i = half->begin; i < half->end; ++i) half->box.add(entries_[i].box);
+      if (half->count() > kFew) countBins(*half);
     }
-    Box after[kBins];  // everything in bin b and behind it
-    int count_after[kBins];
-    after[bins - 1] = boxes[bins - 1];
-    count_after[bins - 1] = counts[bins - 1];
-    for (int b = bins - 2; b > 0; --b) {
+  }
+
+  /// False where all centres lie in one bin.
+  bool halveByArea(Range& range, Range& behind) {
+    const Bins bins = range.bins;
+    Box after[Bins::kMost];  // everything in bin b and behind it
+    std::int32_t count_after[Bins::kMost];
+    after[bins.count - 1] = bins.box[bins.count - 1];
+    count_after[bins.count - 1] = bins.held[bins.count - 1];
+    for (int b = bins.count - 2; b > 0; --b) {
       after[b] = after[b + 1];
-      after[b].add(boxes[b]);
-      count_after[b] = count_after[b + 1] + counts[b];
+      after[b].add(bins.box[b]);
+      count_after[b] = count_after[b + 1] + bins.held[b];
     }
     Box sweep;
-    int count = 0, best_bin = 0;
+    std::int32_t count = 0, left = 0;
+    int best_bin = -1;
     float best = kInfinity;
-    for (int b = 0; b + 1 < bins; ++b) {
-      sweep.add(boxes[b]);
-      count += counts[b];
+    for (int b = 0; b + 1 < bins.count; ++b) {
+      sweep.add(bins.box[b]);
+      count += bins.held[b];
       if (count == 0 || count_after[b + 1] == 0) continue;
       const float cost = static_cast<float>(count) * sweep.halfArea() +
                          static_cast<float>(count_after[b + 1]) * after[b + 1].halfArea();
       if (cost < best) {
         best = cost;
         best_bin = b;
-        halves[0] = sweep;
-        halves[1] = after[b + 1];
+        left = count;
+        range.box = sweep;
+        behind.box = after[b + 1];
       }
     }
-    if (!(best < kInfinity)) return begin;
-    const auto middle = std::partition(entries_.begin() + static_cast<std::ptrdiff_t>(begin),
-                                       entries_.begin() + static_cast<std::ptrdiff_t>(end),
-                                       [&](const Entry& e) { return binOf(e) <= best_bin; });
-    return static_cast<std::size_t>(middle - entries_.begin());
+    if (best_bin < 0) return false;
+    behind.begin = range.begin + static_cast<std::size_t>(left);
+    behind.end = range.end;
+    range.end = behind.begin;
+    Range* const halves[2] = {&range, &behind};
+    for (Range* half : halves) {
+      if (half->count() > kFew) half->bins.prepare(half->box, half->count());
+    }
+    // Those of the second half go aside; which half it is costs no branch.
+    Entry* to[2] = {&entries_[range.begin], aside_.data()};
+    for (std::size_t i = range.begin; i < behind.end; ++i) {
+      const Entry e = entries_[i];
+      const int half = bins.of(e) > best_bin;
+      *to[half]++ = e;
+      if (halves[half]->count() > kFew) halves[half]->bins.add(e);
+    }
+    std::copy(aside_.data(), to[1], &entries_[behind.begin]);
+    return true;
   }
 
   std::vector<Entry>& entries_;
+  std::vector<Entry> aside_;
   const Vec3 origin_;
   std::vector<BvhBlock>& blocks_;
   const Holds holds_;
@@ -220,18 +342,19 @@ Bvh::Bvh(const std::vector<Bounds>& boxes) {
       entries[i].box.lower[k] = roundedDown(low - 2.3e-16 * std::abs(low));
       entries[i].box.upper[k] = roundedUp(high + 2.3e-16 * std::abs(high));
     }
-    entries[i].box.lower[3] = entries[i].box.upper[3] = 0.0F;
-    entries[i].element = static_cast<std::int32_t>(i);
+    entries[i].box.lower[3] = 0.0F;
+    entries[i].setElement(static_cast<std::int32_t>(i));
   }
-  held_.reserve(4 * boxes.size());
-  Builder(entries, origin_, blocks_, [this](std::int32_t node, std::size_t begin, std::size_t end) {
+  held_.reserve(2 * boxes.size());
+  const auto holds = [this](std::int32_t node, std::size_t begin, std::size_t end) {
     if (held_.size() <= static_cast<std::size_t>(node)) held_.resize(node + BvhBlock::kWidth);
     held_[node] = {static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end)};
-  });
+  };
+  Builder<decltype(holds)>(entries, origin_, blocks_, holds);
   held_.resize(size());
   blocks_.shrink_to_fit();
   order_.reserve(entries.size());
-  for (const Entry& e : entries) order_.push_back(e.element);
+  for (const Entry& e : entries) order_.push_back(e.element());
 }
 
 void Bvh::renumber(const std::vector<std::int32_t>& new_id) {
@@ -240,58 +363,6 @@ void Bvh::renumber(const std::vector<std::int32_t>& new_id) {
       if (block.half[0][i] >= 0.0F && block.link[i] < 0) block.link[i] = ~new_id[~block.link[i]];
     }
   }
-}
-
-void Bvh::addPlates(const std::function<Corners(std::int32_t)>& corners) {
-  constexpr std::int32_t kMost = 1024;  // larger parts of a surface are rarely flat
-  std::vector<Corners> triangles;
-  triangles.reserve(order_.size());
-  for (std::int32_t node = 0; node < size(); ++node) {
-    if (exists(node) && (*this)[node].leaf()) order_[held_[node].begin] = (*this)[node].element();
-  }
-  // Sums of normals up to each triangle: those of a node are a difference of two. Rounding only tilts the
-  // plate.
-  std::vector<Vec3> normals = {Vec3::Zero()};
-  std::vector<std::int32_t> others = {0};
-  normals.reserve(order_.size() + 1);
-  others.reserve(order_.size() + 1);
-  for (const std::int32_t element : order_) {
-    const Corners t = corners(element);
-    triangles.push_back(t);
-    const bool triangle = t[0] != nullptr;
-    others.push_back(others.back() + (triangle ? 0 : 1));
-    normals.push_back(triangle ? Vec3(normals.back() + (*t[1] - *t[0]).cross(*t[2] - *t[0]))
-                               : normals.back());
-  }
-  for (std::int32_t node = 0; node < size(); ++node) {
-    const Held held = held_[node];
-    if (held.end == held.begin || held.end - held.begin > kMost) continue;
-    const Vec3 normal = normals[held.end] - normals[held.begin];
-    const double length = normal.norm();
-    if (others[held.end] != others[held.begin] || !(length > 0.0)) continue;
-    // Any direction is sound; short ones keep |plate| below its limit.
-    const Vec3 axis = (normal * ((kPlateLength - 1.0) / length)).array().round();
-    double low = std::numeric_limits<double>::infinity(), high = -low, scale = 0.0;
-    for (std::int32_t i = held.begin; i < held.end; ++i) {
-      for (const Vec3* p : triangles[i]) {
-        const Vec3 x = *p - origin_;
-        const double along = axis.dot(x);
-        low = std::min(low, along);
-        high = std::max(high, along);
-        scale = std::max(scale, x.squaredNorm());
-      }
-    }
-    // Each `along` is a sum of three rounded products of rounded differences.
-    const double rounding = 16.0 * 1.2e-16 * kPlateLength * std::sqrt(scale);
-    BvhBlock& block = blocks_[node / BvhBlock::kWidth];
-    const int lane = node % BvhBlock::kWidth;
-    for (int k = 0; k < 3; ++k) block.plate[k][lane] = static_cast<std::int8_t>(axis[k]);
-    block.plate_middle[lane] = static_cast<float>(0.5 * (low + high));
-    const double middle = block.plate_middle[lane];
-    block.plate_half[lane] = roundedUp(std::max(high - middle, middle - low) + rounding);
-  }
-  order_ = std::vector<std::int32_t>();  // gives the memory back
-  held_ = std::vector<Held>();
 }
 
 bool Bvh::exists(std::int32_t node) const { return (*this)[node].half[0] >= 0.0F; }

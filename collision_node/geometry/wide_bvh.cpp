@@ -9,7 +9,7 @@ namespace collision_node::geometry {
 namespace {
 
 constexpr int kLeafSize = 4;
-constexpr int kBins = 16;
+constexpr int kBins = 32;
 constexpr int kCarefulDepth =
     64;  ///< deeper than this, halves: bounds the walk's stack whatever the triangles
 

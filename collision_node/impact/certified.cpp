@@ -6,6 +6,7 @@
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/impact/piece_run.h"
 #include "collision_node/impact/solve.h"
+#include "collision_node/impact/straight_shot.h"
 
 namespace collision_node::impact {
 namespace {
@@ -17,6 +18,14 @@ class Certified : public PairMethod {
   Certified(const Body& a, const Body& b, const PairOptions& options) : a_(a), b_(b), options_(options) {}
 
   PieceOutcome advance(const Piece& piece, PairState& state, std::vector<PairEvent>& events) const override {
+    if (state.phase == Phase::kNew || state.phase == Phase::kApart) {
+      if (const auto outcome = shoot(a_, b_, piece, options_, state.phase == Phase::kApart, nullptr)) {
+        state.phase = Phase::kApart;
+        state.decided_ns = piece.end_ns;
+        state.last_piece = piece;
+        return *outcome;
+      }
+    }
     const PairPiece pair(a_, b_, piece, options_.contact_distance);
     Workspace workspace;
     const PieceOutcome outcome = PieceRun(pair, piece, options_, workspace, state, events).run();
@@ -77,6 +86,14 @@ Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 void solve(const Body& a, const Body& b, const Piece& piece, const PairOptions& options, Workspace& workspace,
            Solution& solution) {
   solution.events.clear();
+  const bool first_only = options.scope == Scope::kFirstContact;
+  if (const auto outcome = shoot(a, b, piece, options, false, first_only ? &solution.events : nullptr)) {
+    solution.verdict = outcome->answer;
+    solution.budget_met = false;
+    solution.node_tests = outcome->node_tests;
+    solution.subdivisions = 0;
+    return;
+  }
   const PairPiece pair(a, b, piece, options.contact_distance);
   PairState state;
   const PieceOutcome outcome = PieceRun(pair, piece, options, workspace, state, solution.events).run();

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "collision_node/impact/straight_facts.h"
-
 namespace collision_node::impact {
 
 PairEvent EventWriter::stamped(Kind kind, double t) const {
@@ -72,13 +70,6 @@ void EventWriter::takeVelocities(ContactFacts& facts, const Piece& incoming) {
                             motion.omegaB().cross(facts.position - motion.displacement(end)) -
                             motion.omegaA().cross(facts.position);
   facts.closing_speed = -facts.relative_velocity.dot(facts.normal);
-}
-
-void EventWriter::finishStraight(PairEvent& event, const StraightPath& path,
-                                 const PathContact& contact) const {
-  const StraightFacts found = describeStraight(pair_, path, contact, 0.5 * options_.distance_precision);
-  event.multiple = found.multiple;
-  fill(event, found.facts, contact.lower, contact.upper);
 }
 
 /// Makes the normal's cone hold the other's, which may be the first to touch.

@@ -29,9 +29,6 @@ class EventWriter {
   void finishSeparation(PairEvent& event, double lower, double upper, ElementPair pair,
                         const PairState& state, bool sure_of_pair = true);
 
-  /// Closes an impact's bracket at the end of a proved contact on a straight path.
-  void finishStraight(PairEvent& event, const StraightPath& path, const PathContact& contact) const;
-
   /// The bracket's end, and the facts, which hold at `reference`.
   void fill(PairEvent& event, const ContactFacts& facts, double reference, double upper) const;
 

@@ -8,6 +8,7 @@ namespace {
 // Steps before a stage hands over to the next; a stage that closes in on a contact needs fewer than ten.
 constexpr int kDoubleSteps = 24;
 constexpr int kFineSteps = 40;
+constexpr double kNarrow = 1e-14;  // a bracket that doubles leave and that is as good as any
 
 /// x - y, exactly.
 Triple<DoubleDouble> difference(const Vec3& x, const Vec3& y) {
@@ -32,13 +33,23 @@ class LinearQuery {
     contact.t_hi = crossingFrom(coarse_, contact.t_lo, 1.0);
     if (contact.t_hi <= 1.0) return impact(contact);
 
+    // Where doubles see no crossing but close in from both sides, the time is often a simple fraction.
+    contact.t_hi = apartUntil(coarse_, 1.0, contact.t_lo, kDoubleSteps);
+    if (contact.t_hi == contact.t_lo) return clear();
+    double weight, later;
+    if (exact_ && contact.t_hi - contact.t_lo < 4.0 * kNarrow &&
+        touchesAtSimplest(contact.t_lo, contact.t_hi, &weight, &later)) {
+      const LinearContact touch = touched(contact, weight, later);
+      if (touch.t_hi - touch.t_lo < kNarrow) return touch;
+    }
+    const double none_after = contact.t_hi;
+
     contact.t_lo = apartUntil(fine_, contact.t_lo, 1.0, kFineSteps);
     if (contact.t_lo == 1.0) return clear();
     contact.t_hi = crossingFrom(fine_, contact.t_lo, 1.0);
     if (contact.t_hi <= 1.0) return impact(contact);
 
-    contact.t_hi = apartUntil(coarse_, 1.0, contact.t_lo, kDoubleSteps);
-    contact.t_hi = apartUntil(fine_, contact.t_hi, contact.t_lo, kFineSteps);
+    contact.t_hi = apartUntil(fine_, std::max(none_after, contact.t_lo), contact.t_lo, kFineSteps);
     if (contact.t_hi == contact.t_lo) return clear();
     return touching(contact);
   }
@@ -104,24 +115,29 @@ class LinearQuery {
     return true;
   }
 
+  /// The simplest fraction weight / later between the two, and whether the features touch there, exactly.
+  bool touchesAtSimplest(double low, double high, double* weight, double* later) const {
+    simplestFraction(low, high, weight, later);
+    if (!(*weight >= 0.0 && *weight <= *later && *later > 0.0)) return false;
+    return holdsOriginAt(fine_, *weight, *later);
+  }
+
+  /// They touch at weight / later: no later than one step above the quotient, and never beyond t_hi.
+  static LinearContact touched(LinearContact contact, double weight, double later) {
+    const double above = weight == 0.0 ? 0.0 : std::nextafter(weight / later, 2.0);
+    contact.t_hi = std::max(contact.t_lo, std::min(contact.t_hi, above));
+    return impact(contact);
+  }
+
   /// All contact lies in the bracket, and no crossing was found where it begins: a touch that does not cross,
   /// or one at an end of [0, 1], may be exact at a simple fraction.
   LinearContact touching(LinearContact contact) const {
     if (!exact_) return contact;
-    double tried_weight = -1.0, tried_later = -1.0;
     for (const double width : {0x1p-50, 0x1p-32, 0x1p-16, 1.0}) {
-      const double high = std::min(contact.t_hi, contact.t_lo + width);
       double weight, later;
-      simplestFraction(contact.t_lo, high, &weight, &later);
-      if (!(weight >= 0.0 && weight <= later && later > 0.0)) continue;
-      if (weight == tried_weight && later == tried_later) continue;
-      tried_weight = weight;
-      tried_later = later;
-      if (!holdsOriginAt(fine_, weight, later)) continue;
-      // The proved touch is no later than one step above the quotient, and none lies beyond t_hi.
-      const double above = weight == 0.0 ? 0.0 : std::nextafter(weight / later, 2.0);
-      contact.t_hi = std::max(contact.t_lo, std::min(contact.t_hi, above));
-      return impact(contact);
+      if (touchesAtSimplest(contact.t_lo, std::min(contact.t_hi, contact.t_lo + width), &weight, &later))
+        return touched(contact, weight, later);
+      if (contact.t_lo + width >= contact.t_hi) break;  // that was all of it
     }
     return contact;
   }

@@ -1,6 +1,8 @@
 /// Two bodies on one piece of time, and the rounding budget that every proof about them subtracts.
 #pragma once
 
+#include <algorithm>
+
 #include "collision_node/geometry/body.h"
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/motion/relative_motion.h"
@@ -13,6 +15,18 @@ using geometry::Mat3;
 using motion::RelativeMotion;
 
 constexpr double kUnit = 1.1102230246251565e-16;  ///< 2^-53
+
+/// How wide a bracket may be: refinement goes on until neither its width nor what it adds to the ball
+/// matters; rounding is the floor.
+struct Widths {
+  Widths(const PairOptions& options, double point_error, double speed, double duration)
+      : floor(std::max(point_error / std::max(speed, 1e-300), 64.0 * kUnit * duration)),
+        wanted(std::max(
+            std::min(options.time_precision, 0.02 * options.distance_precision / std::max(speed, 1e-300)),
+            floor)) {}
+
+  double floor, wanted;  ///< [s]
+};
 
 /// Both poses at one instant, in world axes relative to A's origin.
 struct Instant {

@@ -193,58 +193,55 @@ Lanes fastestLanes() {
 #endif
 }
 
-ShearedFrame::ShearedFrame(const Vec3& o, const Vec3& velocity) {
+void ShearedFrame::follow(const Vec3& o, const Vec3& velocity) {
   velocity.cwiseAbs().maxCoeff(&kz);
   kx = (kz + 1) % 3;
   ky = (kz + 2) % 3;
   rate = velocity[kz];
+  per_rate = 1.0 / rate;
   origin[0] = o[kx];
   origin[1] = o[ky];
   origin[2] = o[kz];
-  shear_x = velocity[kx] / rate;
-  shear_y = velocity[ky] / rate;
+  shear_x = velocity[kx] * per_rate;
+  shear_y = velocity[ky] * per_rate;
 }
 
 PathWalk::PathWalk(const WideBvh& bvh, const ShearedFrame& sheared, const Vec3& p, const Vec3& v, double from,
                    double to, double tube, double sheared_tube)
-    : misses(true), start(from), span(to - from), frame(sheared), reach(sheared_tube) {
+    : start(from), span(to - from), frame(sheared), reach(sheared_tube) {
   // In doubles to the part inside the root box, so that floats see numbers of its size only. A time outside
-  // is off by at most a few roundings of the distance over the speed: `away` holds that.
+  // is off by at most a few roundings of the distance over the speed, a place by a few of the distance.
   const Vec3 offset = p - bvh.centre();
-  double low = from, high = to;
+  const double rounding = 16.0 * kU *
+                          (p.cwiseAbs().maxCoeff() + bvh.centre().cwiseAbs().maxCoeff() +
+                           v.cwiseAbs().maxCoeff() * std::max(std::abs(from), std::abs(to)));
+  double low = from, high = to, per_v[3] = {};
   for (int k = 0; k < 3; ++k) {
-    const double away = tube + 16.0 * kU *
-                                   (std::abs(p[k]) + std::abs(bvh.centre()[k]) +
-                                    std::abs(v[k]) * std::max(std::abs(from), std::abs(to)));
-    const double half = (bvh.half()[k] + away) * (1.0 + 0x1p-20);
+    const double half = (bvh.half()[k] + tube + rounding) * (1.0 + 0x1p-20);
     if (v[k] == 0.0) {
       if (std::abs(offset[k]) > half) return;
       continue;
     }
-    const double a = (-half - offset[k]) / v[k], b = (half - offset[k]) / v[k];
-    low = std::max(low, std::min(a, b));
-    high = std::min(high, std::max(a, b));
+    per_v[k] = 1.0 / v[k];
+    const double middle = -offset[k] * per_v[k], reach = half * std::abs(per_v[k]);
+    low = std::max(low, middle - reach);
+    high = std::min(high, middle + reach);
   }
   if (low > high) return;
   misses = false;
   start = low;
   span = high - low;
   const Vec3 o = (offset + low * v) * bvh.scale(), w = v * (span * bvh.scale());
-  double coarse = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    coarse =
-        std::max(coarse, 16.0 * kU * (std::abs(p[k]) + std::abs(bvh.centre()[k]) + std::abs(v[k] * low)));
-  }
-  const double grow = (tube + coarse) * bvh.scale() * (1.0 + 0x1p-20) +
+  const double grow = (tube + rounding) * bvh.scale() * (1.0 + 0x1p-20) +
                       0x1p-21 * (o.cwiseAbs().maxCoeff() + w.cwiseAbs().maxCoeff()) + 0x1p-40;
+  const double per_unit = 1.0 / (span * bvh.scale());
   for (int k = 0; k < 3; ++k) {
-    const double slope = std::abs(w[k]) < kStill ? kStill : w[k];
-    const bool forward = slope > 0.0;
+    const bool still = std::abs(w[k]) < kStill, forward = still || w[k] > 0.0;
     near_plane[k] = forward ? k : 3 + k;
     far_plane[k] = forward ? 3 + k : k;
     near_origin[k] = static_cast<float>(forward ? o[k] + grow : o[k] - grow);
     far_origin[k] = static_cast<float>(forward ? o[k] - grow : o[k] + grow);
-    inverse[k] = static_cast<float>(1.0 / slope);
+    inverse[k] = static_cast<float>(still ? 1.0 / kStill : per_v[k] * per_unit);
   }
 }
 
@@ -262,7 +259,7 @@ double PathWalk::timeDown(float parameter) const {
 
 std::uint64_t walkPath(const WideBvh& bvh, const PathWalk& walk, float limit, PathVisitor& visitor,
                        Lanes lanes) {
-  if (walk.misses) return 1;
+  if (walk.misses) return 0;
 #if defined(__x86_64__)
   if (lanes == Lanes::kAvx2) return walkAvx2(bvh, walk, limit, visitor);
 #endif

@@ -24,12 +24,13 @@ Lanes fastestLanes();  ///< of this processor
 /// still in them. A vertex is at (x, y) = what is left of its offset from `origin` there, z its depth along
 /// the path.
 struct ShearedFrame {
-  ShearedFrame(const Vec3& origin, const Vec3& velocity);
+  void follow(const Vec3& origin, const Vec3& velocity);
 
   int kx, ky, kz;
   double origin[3];  ///< along kx, ky, kz
   double shear_x, shear_y;
   double rate;         ///< velocity along kz, never 0
+  double per_rate;     ///< its reciprocal
   double error = 0.0;  ///< [m] of any sheared coordinate, against those of the exact path
 };
 
@@ -40,17 +41,16 @@ struct PathWalk {
   PathWalk(const WideBvh& bvh, const ShearedFrame& frame, const Vec3& p, const Vec3& v, double from,
            double to, double tube, double sheared_tube);
 
-  bool misses;  ///< the root box: nothing to walk
-  // Boxes, in the hierarchy's units; the path's parameter runs from 0 to 1 inside the root box.
-  float near_origin[3], far_origin[3], inverse[3];
-  int near_plane[3], far_plane[3];
-  double start, span;  ///< [s] of parameter 0, and per parameter
-
   /// The parameter at a time, rounded up.
   float parameterUp(double t) const;
   /// A time not after the parameter.
   double timeDown(float parameter) const;
 
+  bool misses = true;  ///< the root box: nothing to walk
+  double start, span;  ///< [s] of parameter 0, and per parameter
+  // Boxes, in the hierarchy's units; the path's parameter runs from 0 to 1 inside the root box.
+  float near_origin[3], far_origin[3], inverse[3];
+  int near_plane[3], far_plane[3];
   // Triangles.
   const ShearedFrame& frame;
   double reach;  ///< sheared_tube

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "collision_node/impact/piece_run.h"
+#include "collision_node/impact/straight_facts.h"
 
 namespace collision_node::impact {
 namespace {
@@ -12,14 +13,10 @@ using Phase = PairState::Phase;
 bool PieceRun::closeStraight(const PathContact& met, std::optional<ContactWitness>& witness) {
   const StraightPath& path = *search_.straight();
   const bool whole = options_.scope == Scope::kWholePiece;
-  const Phase next = behind(path, met);
+  const Phase next = phaseBehind(path, met);
   if (next == Phase::kUndecided) return false;
-  PairEvent event = state_.pending;
-  event.kind = Kind::kImpact;
-  writer_.finishStraight(event, path, met);
-  event.certificate = Certificate::kConfirmed;
-  event.reason =
-      event.toi_upper - event.toi_lower > options_.time_precision ? Reason::kPrecision : Reason::kNone;
+  PairEvent event;
+  writeStraight(piece_, options_, path, met, event);
   events_.push_back(event);
   state_.contact = event;
   state_.phase = next;
@@ -39,17 +36,6 @@ bool PieceRun::closeStraight(const PathContact& met, std::optional<ContactWitnes
     if (touchesAt(pair_, now, a, b, closestPoints(Cores(now, a, b), Vec3::Zero()), found)) witness = found;
   }
   return true;
-}
-
-PairState::Phase PieceRun::behind(const StraightPath& path, const PathContact& met) const {
-  if (path.radius() > 0.0) return Phase::kTouching;
-  const Body& body = path.pointIsA() ? pair_.b : pair_.a;
-  const auto into_solid = [&](const PathContact::Met& one) {
-    const std::vector<int>& solids = body.solids();
-    return std::find(solids.begin(), solids.end(), body.shapeOf(one.element)) != solids.end();
-  };
-  if (std::none_of(met.met, met.met + met.count, into_solid)) return Phase::kApart;
-  return met.count == 1 && met.met[0].sure ? Phase::kTouching : Phase::kUndecided;
 }
 
 bool PieceRun::passed(double from, double at, double& t) {

@@ -15,16 +15,15 @@ PieceRun::PieceRun(const PairPiece& pair, const Piece& piece, const PairOptions&
     : pair_(pair),
       piece_(piece),
       options_(options),
-      search_(pair, options.node_budget, workspace),
+      search_(pair, options.node_budget, workspace,
+              StraightPath::of(pair.a, pair.b, piece, pair.contact_distance)),
       writer_(pair, piece, options, search_),
       state_(state),
       events_(events),
       end_(pair.motion.duration()) {
-  const double speed = std::max(pair.speed, 1e-300);
-  // Refine the bracket until neither its width nor what it adds to the ball matters; the rounding budget is
-  // the floor.
-  floor_ = std::max(pair.point_error / speed, 64.0 * kUnit * end_);
-  width_ = std::max(std::min(options.time_precision, 0.02 * options.distance_precision / speed), floor_);
+  const Widths widths(options, pair.point_error, pair.speed, end_);
+  floor_ = widths.floor;
+  width_ = widths.wanted;
 }
 
 PieceOutcome PieceRun::run() {

@@ -52,10 +52,6 @@ class PieceRun {
   double soonestApart(double contact, double nothing, double at);
   /// The bracket's search has proved the contact itself. False where it is not known what comes behind it.
   bool closeStraight(const PathContact& met, std::optional<ContactWitness>& witness);
-  /// What a pair that was apart is, behind a contact on a straight path: a sphere touches; a point is inside
-  /// what it went into if that is solid, and apart again if that is a surface. Through several solids at
-  /// once: not known.
-  PairState::Phase behind(const StraightPath& path, const PathContact& met) const;
   /// The piece ends inside an open bracket. One that has been open for a whole piece is published and holds
   /// up nothing.
   bool waitForMore();

@@ -53,12 +53,13 @@ double apartFrom(const PairPiece& piece, const Instant& now, const Element& a, c
 
 }  // namespace
 
-Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& workspace)
+Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& workspace,
+               std::optional<StraightPath> straight)
     : piece_(piece),
       test_(piece),
       budget_(node_budget),
       shells_(ShellPair::of(piece)),
-      straight_(StraightPath::of(piece)),
+      straight_(std::move(straight)),
       slabs_(piece, workspace.buffers().slabs),
       stack_(workspace.buffers().stack),
       near_(workspace.buffers().near) {}
@@ -205,12 +206,6 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
     straight_->first(from, to, 10.0 * stop, path_contact_);
     node_tests_ += path_contact_.tests;
     if (path_contact_.kind == PathContact::Kind::kClear) return first;
-    // Near the rounding budget the general search brackets more closely.
-    const double widest = std::max(10.0 * stop, 8.0 * piece_.point_error / piece_.speed);
-    if (path_contact_.kind == PathContact::Kind::kContact &&
-        path_contact_.upper - path_contact_.lower > widest) {
-      path_contact_.kind = PathContact::Kind::kCannotTell;
-    }
     if (path_contact_.kind == PathContact::Kind::kContact) {
       const std::int32_t met = path_contact_.met[0].element;
       const ElementPair pair = straight_->pointIsA() ? ElementPair{0, met} : ElementPair{met, 0};

@@ -27,7 +27,9 @@ enum class Proved { kApart, kContact, kNothing };
 
 class Search {
  public:
-  Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& workspace);
+  /// `straight` is the pair as a path, where it is one.
+  Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& workspace,
+         std::optional<StraightPath> straight = std::nullopt);
 
   struct First {
     bool found = false;

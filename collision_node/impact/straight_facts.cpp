@@ -11,6 +11,9 @@ using Met = PathContact::Met;
 
 constexpr double kUp = 1.0 + 64.0 * kUnit;
 
+/// At least the arc sine of x in [0, 1]. Where x is small, x^3/6 and all that follows are below 1e-12 x.
+double asinUp(double x) { return x < 1e-6 ? x * (1.0 + 1e-12) : std::asin(x) * kUp; }
+
 /// Where one triangle is met, in the triangles' frame.
 struct Place {
   Vec3 point, direction;     ///< the contact; unit, from the triangle to the path's point
@@ -31,13 +34,13 @@ Place placeOfPoint(const StraightPath& path, const PathContact& contact, const M
   place.point = path.at(contact.lower);
   place.direction = n.dot(path.velocity()) > 0.0 ? Vec3(-n / length) : Vec3(n / length);
   place.point_error = path.error();
-  place.cone = error < length ? std::asin(error / length) : M_PI;
+  place.cone = error < length ? asinUp(error / length) : M_PI;
   return place;
 }
 
 /// A sphere touches: the place is the triangle's closest point, which moves no faster than the centre does.
-Place placeOfSphere(const StraightPath& path, const PathContact& contact, const Met& met,
-                    double contact_distance) {
+Place placeOfSphere(const StraightPath& path, const PathContact& contact, const Met& met) {
+  const double contact_distance = path.contactDistance();
   const Vec3* vertices = path.triangles().vertices();
   const Vec3 x = path.at(contact.lower);
   const Vec3 corner[3] = {vertices[met.vertex[0]], vertices[met.vertex[1]], vertices[met.vertex[2]]};
@@ -56,7 +59,7 @@ Place placeOfSphere(const StraightPath& path, const PathContact& contact, const 
   const double rounding = 16.0 * kUnit * (reach + distance) + 0.1 * path.error();
   place.point_error = moved + path.error() + std::sqrt(2.0 * distance * (beyond + rounding));
   const double turned = moved + path.error() + place.point_error;
-  place.cone = turned < distance ? std::asin(turned / distance) : M_PI;
+  place.cone = turned < distance ? asinUp(turned / distance) : M_PI;
   place.point_error += std::min(place.cone, 2.0) * 0.5 * contact_distance;
   const double tolerance = moved + path.error() + 1e-9 * reach;
   int held = 0;
@@ -78,20 +81,19 @@ Feature sharedFeature(const PathContact& contact) {
 
 }  // namespace
 
-StraightFacts describeStraight(const PairPiece& piece, const StraightPath& path, const PathContact& contact,
-                               double same_place) {
+void writeStraight(const Piece& piece, const PairOptions& options, const StraightPath& path,
+                   const PathContact& contact, PairEvent& event) {
   const auto placeOf = [&](const Met& met) {
-    return path.radius() > 0.0 ? placeOfSphere(path, contact, met, piece.contact_distance)
-                               : placeOfPoint(path, contact, met);
+    return path.radius() > 0.0 ? placeOfSphere(path, contact, met) : placeOfPoint(path, contact, met);
   };
-  StraightFacts result;
   Place place = placeOf(contact.met[0]);
   if (path.radius() == 0.0) place.feature = sharedFeature(contact);
+  const double same_place = 0.5 * options.distance_precision;
   for (int i = 1; i < contact.count; ++i) {
     const Place other = placeOf(contact.met[i]);
     const double needed = (other.point - place.point).norm() + other.point_error;
     if (needed > std::max(2.0 * place.point_error, same_place)) {
-      result.multiple = true;
+      event.multiple = true;
       continue;
     }
     place.point_error = std::max(place.point_error, needed * kUp);
@@ -100,38 +102,62 @@ StraightFacts describeStraight(const PairPiece& piece, const StraightPath& path,
     if (!(lean + other.cone <= place.cone)) place.cone = lean + other.cone < M_PI ? lean + other.cone : M_PI;
   }
 
-  const RelativeMotion& m = piece.motion;
-  const Instant now = piece.at(contact.lower);
-  const double span = contact.upper - contact.lower;
+  const motion::LinearPart& line = path.line();
   const bool point_is_a = path.pointIsA();
-  ContactFacts& f = result.facts;
-  f.position = point_is_a ? Vec3(now.d + now.rb * place.point) : Vec3(now.ra * place.point);
-  f.normal = point_is_a ? Vec3(-(now.rb * place.direction)) : Vec3(now.ra * place.direction);
-  f.normal_error = std::min(
-      M_PI, place.cone + 2.0 * (point_is_a ? m.rotationErrorB() : m.rotationErrorA()) + 32.0 * kUnit);
-  // In the world the place moves with the triangles and over them; a point's, at most as fast as the point.
-  const double with_triangles = (point_is_a ? m.ownSpeedB() : m.ownSpeedA()) * span;
-  const double with_point = (point_is_a ? m.ownSpeedA() : m.ownSpeedB()) * span;
-  const double moved = path.velocity().norm() * span;
-  f.position_error = path.radius() > 0.0 ? with_triangles : std::min(with_point, with_triangles + moved);
-  f.position_error +=
-      place.point_error + piece.point_error + 8.0 * kUnit * (m.worldScaleA() + m.maxDistance());
-  f.position_error *= kUp;
-  f.relative_velocity = now.d_rate + m.omegaB().cross(f.position - now.d) - m.omegaA().cross(f.position);
-  f.closing_speed = -f.relative_velocity.dot(f.normal);
+  const double t = contact.lower, span = contact.upper - contact.lower;
+  event.kind = Kind::kImpact;
+  event.certificate = Certificate::kConfirmed;
+  event.reason = span > options.time_precision ? Reason::kPrecision : Reason::kNone;
+  event.interval_start_ns = piece.start_ns;
+  event.interval_end_ns = piece.end_ns;
+  event.toi_lower = contact.lower;
+  event.toi_upper = contact.upper;
+  event.a.pose = piece.a.at(line.offset_a + t);
+  event.b.pose = piece.b.at(line.offset_b + t);
+  event.a.sample_before_ns = piece.a.start_ns;
+  event.a.sample_after_ns = piece.a.end_ns;
+  event.b.sample_before_ns = piece.b.start_ns;
+  event.b.sample_after_ns = piece.b.end_ns;
 
-  f.a.point = now.ra.transpose() * f.position;
-  f.b.point = now.rb.transpose() * (f.position - now.d);
-  Vec3 buffer[3];
-  const Element triangle = (point_is_a ? piece.b : piece.a).element(contact.met[0].element, buffer);
-  const Element point = (point_is_a ? piece.a : piece.b).element(0, buffer);
-  Side &triangle_side = point_is_a ? f.b : f.a, &point_side = point_is_a ? f.a : f.b;
-  triangle_side.shape = triangle.shape;
-  triangle_side.triangle = triangle.triangle;
+  const Vec3 apart = line.d + t * line.rate, in_world = path.toWorld() * place.point;
+  const Vec3 position = point_is_a ? Vec3(apart + in_world) : in_world;  // relative to A's origin
+  event.position = event.a.pose.position + position;
+  event.normal = path.toWorld() * place.direction;
+  if (point_is_a) event.normal = -event.normal;
+  event.normal_error = std::min(M_PI, place.cone + 2.0 * StraightPath::kTurnError + 32.0 * kUnit);
+  // In the world the place moves with the triangles and over them; a point's, at most as fast as the point.
+  const double speed_a = piece.a.c[1].norm() * kUp, speed_b = piece.b.c[1].norm() * kUp;
+  const double with_triangles = (point_is_a ? speed_b : speed_a) * span;
+  const double with_point = (point_is_a ? speed_a : speed_b) * span;
+  const double world = piece.a.c[0].norm() + speed_a * (std::abs(line.offset_a) + line.duration);
+  event.position_error =
+      path.radius() > 0.0 ? with_triangles : std::min(with_point, with_triangles + path.speed() * span);
+  event.position_error += place.point_error + path.pointError() + 8.0 * kUnit * (world + path.maxDistance());
+  event.position_error *= kUp;
+  event.relative_velocity = line.rate + piece.b.omega.cross(position - apart) - piece.a.omega.cross(position);
+  event.closing_speed = -event.relative_velocity.dot(event.normal);
+
+  const std::int32_t element = contact.met[0].element;
+  Side &triangle_side = point_is_a ? event.b : event.a, &point_side = point_is_a ? event.a : event.b;
+  triangle_side.shape = path.mesh().shapeOf(element);
+  triangle_side.triangle = path.mesh().triangleOf(element);
   triangle_side.feature = place.feature;
-  point_side.shape = point.shape;
-  point_side.feature = point.radius > 0.0 ? Feature::kSmooth : Feature::kVertex;
-  return result;
+  triangle_side.point = place.point;
+  point_side.shape = path.single().primitive(0).shape;
+  point_side.feature = path.single().primitive(0).radius > 0.0 ? Feature::kSmooth : Feature::kVertex;
+  point_side.point =
+      point_side.pose.orientation.normalized().conjugate() * (point_is_a ? position : Vec3(position - apart));
+}
+
+PairState::Phase phaseBehind(const StraightPath& path, const PathContact& contact) {
+  if (path.radius() > 0.0) return PairState::Phase::kTouching;
+  const std::vector<int>& solids = path.mesh().solids();
+  const auto into_solid = [&](const Met& met) {
+    return std::find(solids.begin(), solids.end(), path.mesh().shapeOf(met.element)) != solids.end();
+  };
+  if (std::none_of(contact.met, contact.met + contact.count, into_solid)) return PairState::Phase::kApart;
+  return contact.count == 1 && contact.met[0].sure ? PairState::Phase::kTouching
+                                                   : PairState::Phase::kUndecided;
 }
 
 }  // namespace collision_node::impact

@@ -1,19 +1,20 @@
-/// The facts of a contact on a straight path: closed forms instead of searches. Guarantee: that of
-/// describeContact().
+/// A contact on a straight path as an event: closed forms instead of searches.
+///
+/// Guarantee: that of describeContact() (contact_facts.h); the facts hold at the bracket's start.
 #pragma once
 
-#include "collision_node/impact/contact_facts.h"
 #include "collision_node/impact/straight_path.h"
 
 namespace collision_node::impact {
 
-struct StraightFacts {
-  ContactFacts facts;     ///< they hold at contact.lower
-  bool multiple = false;  ///< triangles elsewhere than at the reported place are met in the bracket too
-};
+/// Fills `event`, a new one, as the CONFIRMED impact of a `contact` of kind kContact. Triangles that are met
+/// in the bracket elsewhere than at the reported place make it `multiple`.
+void writeStraight(const Piece& piece, const PairOptions& options, const StraightPath& path,
+                   const PathContact& contact, PairEvent& event);
 
-/// `contact` is of kind kContact. Places nearer to each other than `same_place` [m] are one.
-StraightFacts describeStraight(const PairPiece& piece, const StraightPath& path, const PathContact& contact,
-                               double same_place);
+/// What a pair that was apart is, behind a contact on a straight path: a sphere touches; a point is inside
+/// what it went into if that is solid, and apart again if that is a surface. Through several solids at once:
+/// not known, kUndecided.
+PairState::Phase phaseBehind(const StraightPath& path, const PathContact& contact);
 
 }  // namespace collision_node::impact

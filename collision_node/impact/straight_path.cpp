@@ -11,6 +11,14 @@ using Met = PathContact::Met;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+constexpr double kUp = 1.0 + 64.0 * kUnit;
+
+/// The columns are the object's axes in the world.
+Mat3 axesOf(const geometry::Quat& q) {
+  if (q.vec().isZero(0.0)) return Mat3::Identity();
+  return q.normalized().toRotationMatrix();
+}
+
 double sumOf(const Vec3& v) { return std::abs(v.x()) + std::abs(v.y()) + std::abs(v.z()); }
 
 /// Closest point of a segment, for a triangle without area.
@@ -151,11 +159,11 @@ class StraightPath::PointVisitor final : public Collector {
     const Vec3 e1 = b - a, e2 = c - a, n = e1.cross(e2);
     const double n_error = 8.0 * kUnit * sumOf(e1) * sumOf(e2), length = n.norm();
     const double rate = n.dot(path_.v_);
-    const double slowest = std::abs(rate) - (n_error + 8.0 * kUnit * length) * path_.v_.norm();
+    const double slowest = std::abs(rate) - (n_error + 8.0 * kUnit * length) * path_.speed_;
     // In any case between the first and the last vertex along the path.
     const auto depth = std::minmax({seen.z[0], seen.z[1], seen.z[2]});
-    const auto time = std::minmax({(depth.first - path_.frame_.error) / path_.frame_.rate,
-                                   (depth.second + path_.frame_.error) / path_.frame_.rate});
+    const auto time = std::minmax({(depth.first - path_.frame_.error) * path_.frame_.per_rate,
+                                   (depth.second + path_.frame_.error) * path_.frame_.per_rate});
     met.lower = time.first;
     met.upper = time.second;
     if (slowest > 0.0) {
@@ -228,45 +236,69 @@ class StraightPath::SphereVisitor final : public Collector {
   double from_, to_;
 };
 
-std::optional<StraightPath> StraightPath::of(const PairPiece& piece) {
-  const RelativeMotion& m = piece.motion;
-  if (piece.tube > 0.0 || m.maxAcceleration() != 0.0 || m.jerk() != 0.0 || !(m.duration() > 0.0))
-    return std::nullopt;
-  const bool point_is_a = piece.a.elementCount() == 1 && piece.a.triangleCount() == 0;
-  const Body &single = point_is_a ? piece.a : piece.b, &mesh = point_is_a ? piece.b : piece.a;
+std::optional<StraightPath> StraightPath::of(const Body& a, const Body& b, const Piece& piece,
+                                             double contact_distance) {
+  if (piece.tube > 0.0 || piece.end_ns <= piece.start_ns) return std::nullopt;
+  const bool point_is_a = a.elementCount() == 1 && a.triangleCount() == 0;
+  const Body &single = point_is_a ? a : b, &mesh = point_is_a ? b : a;
   if (single.elementCount() != 1 || single.triangleCount() != 0) return std::nullopt;
   if (mesh.triangleCount() == 0 || mesh.triangleCount() != mesh.elementCount()) return std::nullopt;
-  if ((point_is_a ? m.spinB() : m.spinA()) != 0.0) return std::nullopt;
-  Vec3 buffer[3];
-  const Element point = single.element(0, buffer);
+  const motion::RigidMotion &flies = point_is_a ? piece.a : piece.b, &rests = point_is_a ? piece.b : piece.a;
+  const auto bends = [](const motion::RigidMotion& m) { return !m.c[2].isZero(0.0) || !m.c[3].isZero(0.0); };
+  if (bends(flies) || bends(rests) || !rests.omega.isZero(0.0)) return std::nullopt;
+  const Element& point = single.primitive(0);
   if (point.vertices == nullptr || point.count != 1) return std::nullopt;
-  if ((point_is_a ? m.spinA() : m.spinB()) != 0.0 && !point.vertices[0].isZero(0.0)) return std::nullopt;
-  const double speed = m.velocity(0.0).norm();
-  if (!(speed > 0.0 && speed < kInfinity)) return std::nullopt;
-  return StraightPath(piece, point_is_a, point);
+  if (!flies.omega.isZero(0.0) && !point.vertices[0].isZero(0.0)) return std::nullopt;
+  std::optional<StraightPath> path(std::in_place, Pair{a, b, piece, contact_distance, point_is_a});
+  if (!(path->speed_ > 0.0 && path->speed_ < kInfinity)) path.reset();
+  return path;
 }
 
-StraightPath::StraightPath(const PairPiece& piece, bool point_is_a, const Element& point)
-    : bvh_(&(point_is_a ? piece.b : piece.a).wideBvh()),
-      point_is_a_(point_is_a),
-      duration_(piece.motion.duration()),
-      radius_(point.radius + piece.contact_distance),
-      size_(2.0 * (piece.motion.maxDistance() + piece.a.reach() + piece.b.reach())),
-      frame_(Vec3::Zero(), Vec3::UnitZ()) {
-  const RelativeMotion& m = piece.motion;
-  const Mat3 ra = m.rotationA(0.0), rb = m.rotationB(0.0);
-  const Vec3 d = m.displacement(0.0), rate = m.velocity(0.0);
-  p_ = point_is_a ? Vec3(rb.transpose() * (ra * point.vertices[0] - d))
-                  : Vec3(ra.transpose() * (d + rb * point.vertices[0]));
-  v_ = point_is_a ? Vec3(-(rb.transpose() * rate)) : Vec3(ra.transpose() * rate);
-  error_ = piece.frame_error + 16.0 * kUnit * size_;
-  frame_ = ShearedFrame(p_, v_);
+StraightPath::StraightPath(const Pair& pair)
+    : mesh_(pair.point_is_a ? &pair.b : &pair.a),
+      single_(pair.point_is_a ? &pair.a : &pair.b),
+      bvh_(&mesh_->wideBvh()),
+      point_is_a_(pair.point_is_a),
+      line_(pair.piece.a, pair.piece.b, pair.piece.start_ns, pair.piece.end_ns),
+      contact_distance_(pair.contact_distance) {
+  const motion::RigidMotion &a = pair.piece.a, &b = pair.piece.b;
+  const Element& point = single_->primitive(0);
+  const Vec3& vertex = point.vertices[0];
+  radius_ = point.radius + contact_distance_;
+  to_world_ = axesOf((point_is_a_ ? b : a).q0);
+  const Vec3 rate = point_is_a_ ? Vec3(-line_.rate) : line_.rate;
+  Vec3 start = point_is_a_ ? Vec3(-line_.d) : line_.d;
+  if (!vertex.isZero(0.0)) start += axesOf((point_is_a_ ? a : b).q0) * vertex;
+  p_ = to_world_.transpose() * start;
+  v_ = to_world_.transpose() * rate;
+
+  // The budget of PairPiece for bodies that do not turn: the spin of a vertex at its own origin moves
+  // nothing.
+  const double length = line_.rate.norm(), reach = mesh_->reach() + single_->reach();
+  speed_ = length * kUp;
+  max_distance_ =
+      (std::min(line_.d.norm(), (line_.d + line_.duration * line_.rate).norm()) + speed_ * line_.duration) *
+      kUp;
+  const double distance = max_distance_ + reach + contact_distance_;
+  const double translation = kUnit * (motion::kTermRounding * line_.magnitude +
+                                      motion::kLineRounding * line_.reach * (a.c[1].norm() + b.c[1].norm()));
+  point_error_ = 2.0 * (translation + kTurnError * reach + mesh_->placingError() + single_->placingError()) +
+                 64.0 * kUnit * (distance + speed_ * line_.duration);
+  size_ = 2.0 * (max_distance_ + reach);
+  error_ = 2.0 * (point_error_ + 2.0 * kTurnError * distance) + 16.0 * kUnit * size_;
+
+  frame_.follow(p_, v_);
   // A line that is off by the error at both ends of the piece is off by more beyond them, where triangles
   // that it meets in the piece may have vertices.
-  const double middle = (bvh_->centre()[frame_.kz] - frame_.origin[2]) / frame_.rate,
-               half = bvh_->half()[frame_.kz] / std::abs(frame_.rate);
-  const double beyond = std::max({0.0, half - middle, middle + half - duration_}) / duration_;
+  const double middle = (bvh_->centre()[frame_.kz] - frame_.origin[2]) * frame_.per_rate,
+               half = bvh_->half()[frame_.kz] * std::abs(frame_.per_rate);
+  const double beyond = std::max({0.0, half - middle, middle + half - line_.duration}) / line_.duration;
   frame_.error = 2.0 * error_ * (1.0 + 2.0 * beyond) + 16.0 * kUnit * size_;
+}
+
+bool StraightPath::startsOutside() const {
+  const Vec3 beyond = (p_ - bvh_->centre()).cwiseAbs() - bvh_->half();
+  return beyond.maxCoeff() > radius_ + error_ + 8.0 * kUnit * size_;
 }
 
 void StraightPath::first(double from, double to, double width, PathContact& contact, Lanes lanes) const {
@@ -277,6 +309,11 @@ void StraightPath::first(double from, double to, double width, PathContact& cont
     firstOfSphere(from, to, width, contact, lanes);
   } else {
     firstOfPoint(from, to, width, contact, lanes);
+  }
+  // Near the rounding budget the general search brackets more closely.
+  if (contact.kind == PathContact::Kind::kContact &&
+      contact.upper - contact.lower > std::max(width, 8.0 * point_error_ / speed_)) {
+    contact.kind = PathContact::Kind::kCannotTell;
   }
 }
 

@@ -45,36 +45,60 @@ Vec3 closestOnTriangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& 
 class StraightPath {
  public:
   /// The pair as a path, if it is one: one body a single vertex, the other triangles only and without spin,
-  /// and the relative displacement linear in time. The vertex's own spin matters only where it is off its
-  /// object's origin.
-  static std::optional<StraightPath> of(const PairPiece& piece);
+  /// and both positions linear in time. The vertex's own spin matters only where it is off its object's
+  /// origin. The bodies must outlive the path.
+  static std::optional<StraightPath> of(const Body& a, const Body& b, const Piece& piece,
+                                        double contact_distance);
 
-  /// The first contact in [from, to]. Brackets wider than both `width` and 16 budgets over the normal speed
-  /// are not reported.
+  struct Pair {
+    const Body &a, &b;
+    const Piece& piece;
+    double contact_distance;
+    bool point_is_a;
+  };
+  explicit StraightPath(const Pair& pair);  ///< of() knows which pairs are a path
+
+  /// The first contact in [from, to]. Brackets wider than `width` are not reported, unless rounding alone
+  /// makes them so: 16 budgets over the normal speed, 8 over the speed.
   void first(double from, double to, double width, PathContact& contact, Lanes lanes = fastestLanes()) const;
 
+  /// At time 0 the body is clear of the box of all triangles, and so outside whatever they enclose.
+  bool startsOutside() const;
+
+  const Body& mesh() const { return *mesh_; }
+  const Body& single() const { return *single_; }
   bool pointIsA() const { return point_is_a_; }
+  double duration() const { return line_.duration; }  ///< of the piece [s]
   double radius() const { return radius_; }  ///< of the contact: the sphere's and the contact distance [m]
-  double error() const {
-    return error_;
-  }  ///< between this path and the exact one, at any time of the piece [m]
-  Vec3 at(double t) const { return p_ + t * v_; }  ///< in the triangles' frame
-  const Vec3& velocity() const { return v_; }      ///< [m/s]
+  double contactDistance() const { return contact_distance_; }  ///< [m]
+  /// [m] Between this path and the exact one, at any time of the piece.
+  double error() const { return error_; }
+  double pointError() const { return point_error_; }    ///< [m] as PairPiece::point_error
+  double speed() const { return speed_; }               ///< [m/s], rounded up
+  double maxDistance() const { return max_distance_; }  ///< [m] of the two origins
+  Vec3 at(double t) const { return p_ + t * v_; }       ///< in the triangles' frame
+  const Vec3& velocity() const { return v_; }           ///< [m/s]
+  const motion::LinearPart& line() const { return line_; }
+  const Mat3& toWorld() const { return to_world_; }  ///< the triangles' axes in the world's
   const WideBvh& triangles() const { return *bvh_; }
 
- private:
-  StraightPath(const PairPiece& piece, bool point_is_a, const Element& point);
+  /// Of the triangles' axes, however computed [rad].
+  static constexpr double kTurnError = 64.0 * kUnit;
 
+ private:
   class PointVisitor;
   class SphereVisitor;
   void firstOfPoint(double from, double to, double width, PathContact& contact, Lanes lanes) const;
   void firstOfSphere(double from, double to, double width, PathContact& contact, Lanes lanes) const;
   bool provesPassage(const PathContact& contact) const;
 
+  const Body *mesh_, *single_;
   const WideBvh* bvh_;
   bool point_is_a_;
+  motion::LinearPart line_;
+  Mat3 to_world_;
   Vec3 p_, v_;
-  double duration_, radius_, error_;
+  double contact_distance_, radius_, point_error_, error_, speed_, max_distance_;
   double size_;  ///< bounds every offset between the path and a vertex [m]
   ShearedFrame frame_;
 };

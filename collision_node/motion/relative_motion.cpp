@@ -55,23 +55,35 @@ RelativeMotion RelativeMotion::stilled(bool a, bool b) const {
   return still;
 }
 
+LinearPart::LinearPart(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns, Nanoseconds end_ns)
+    : duration(secondsBetween(start_ns, end_ns)),
+      offset_a(a.fixed ? 0.0 : secondsBetween(a.start_ns, start_ns)),
+      offset_b(b.fixed ? 0.0 : secondsBetween(b.start_ns, start_ns)),
+      reach(std::max(std::abs(offset_a), std::abs(offset_b)) + duration) {
+  // B's polynomial about its own offset minus A's about its own, written so that equal velocities cancel
+  // exactly: c_b o_b - c_a o_a = (c_b - c_a) o_b + c_a (o_b - o_a), with o_b - o_a from integers.
+  const double shift = a.fixed || b.fixed ? offset_b - offset_a : secondsBetween(b.start_ns, a.start_ns);
+  const Vec3 apart = b.c[0] - a.c[0];
+  rate = b.c[1] - a.c[1];
+  d = apart + (rate * offset_b + a.c[1] * shift);
+  magnitude = apart.norm() + 2.0 * rate.norm() * reach + a.c[1].norm() * std::abs(shift);
+}
+
 RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns,
                                Nanoseconds end_ns)
-    : motion_a_(a), motion_b_(b), duration_(secondsBetween(start_ns, end_ns)) {
-  offset_a_ = a.fixed ? 0.0 : secondsBetween(a.start_ns, start_ns);
-  offset_b_ = b.fixed ? 0.0 : secondsBetween(b.start_ns, start_ns);
+    : motion_a_(a), motion_b_(b) {
+  const LinearPart line(a, b, start_ns, end_ns);
+  duration_ = line.duration;
+  offset_a_ = line.offset_a;
+  offset_b_ = line.offset_b;
   a_.set(a, offset_a_, duration_);
   b_.set(b, offset_b_, duration_);
 
-  // B's polynomial about its own offset minus A's about its own, written so that equal velocities cancel
-  // exactly: c_b o_b - c_a o_a = (c_b - c_a) o_b + c_a (o_b - o_a), with o_b - o_a from integers.
-  const double shift = a.fixed || b.fixed ? offset_b_ - offset_a_ : secondsBetween(b.start_ns, a.start_ns);
-  const double o = offset_b_;
-  d_[0] = (b.c[0] - a.c[0]) + ((b.c[1] - a.c[1]) * o + a.c[1] * shift);
-  d_[1] = b.c[1] - a.c[1];
+  d_[0] = line.d;
+  d_[1] = line.rate;
   d_[2] = Vec3::Zero();
   d_[3] = Vec3::Zero();
-  const double oa = offset_a_, ob = offset_b_;
+  const double oa = offset_a_, ob = offset_b_, reach = line.reach;
   if (!b.c[2].isZero(0.0) || !b.c[3].isZero(0.0) || !a.c[2].isZero(0.0) || !a.c[3].isZero(0.0)) {
     d_[0] += (b.c[2] + b.c[3] * ob) * (ob * ob) - (a.c[2] + a.c[3] * oa) * (oa * oa);
     d_[1] += (2.0 * b.c[2] + 3.0 * b.c[3] * ob) * ob - (2.0 * a.c[2] + 3.0 * a.c[3] * oa) * oa;
@@ -82,9 +94,7 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
   // Every term that was rounded, at its largest over both segments' shares of time. What both objects have in
   // common never was, but for the rounding of each one's own coefficients: a line's velocity (difference,
   // duration, quotient), and what a cubic's bend owes to the velocities it is computed from.
-  const double reach = std::max(std::abs(oa), std::abs(ob)) + duration_;
-  double magnitude = (b.c[0] - a.c[0]).norm() + d_[1].norm() * reach + (b.c[1] - a.c[1]).norm() * reach +
-                     a.c[1].norm() * std::abs(shift);
+  double magnitude = line.magnitude + (d_[1].norm() - line.rate.norm()) * reach;
   double power = reach;
   for (int k = 2; k < 4; ++k) {
     power *= reach;
@@ -92,9 +102,9 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
   }
   const auto ownRounding = [&](const RigidMotion& m) {
     const bool straight = m.c[2].isZero(0.0) && m.c[3].isZero(0.0);
-    return (straight ? 4.0 : 64.0) * kUnit * m.c[1].norm() * reach;
+    return (straight ? kLineRounding : 64.0) * kUnit * m.c[1].norm() * reach;
   };
-  translation_error_ = 32.0 * kUnit * magnitude + ownRounding(a) + ownRounding(b);
+  translation_error_ = kTermRounding * kUnit * magnitude + ownRounding(a) + ownRounding(b);
 
   const auto ownSpeed = [&](const RigidMotion& m, double offset) {
     const double until = std::abs(offset) + duration_;

@@ -5,6 +5,22 @@
 
 namespace collision_node::motion {
 
+/// What the linear parts of two motions make of B's origin minus A's on a piece: d + t rate, world axes.
+/// Written so that equal positions and equal velocities cancel before anything rounds.
+struct LinearPart {
+  LinearPart(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns, Nanoseconds end_ns);
+
+  double duration;            ///< [s]
+  double offset_a, offset_b;  ///< [s] from each segment's start to the piece's
+  double reach;               ///< [s] the largest power of time in any term
+  Vec3 d, rate;               ///< [m], [m/s]
+  double magnitude;  ///< [m] sum of the sizes of all terms that were rounded, at any time of the piece
+};
+
+/// Of a straight line's own velocity (difference, duration, quotient), in units of 2^-53 |c_1| reach.
+constexpr double kLineRounding = 4.0;
+constexpr double kTermRounding = 32.0;  ///< of LinearPart, in units of 2^-53 magnitude
+
 /// t = seconds from the piece's start, 0 <= t <= duration.
 ///   a point x of A is at  R_a(t) x,   a point y of B at  d(t) + R_b(t) y      (world axes, relative to A's
 ///   origin).

@@ -54,8 +54,8 @@ Pose RigidMotion::at(double s) const {
   Pose pose;
   pose.position = c[0] + s * (c[1] + s * (c[2] + s * c[3]));
   pose.orientation = q0;
-  const double rate = omega.stableNorm();
-  if (rate > 0.0) {
+  if (!omega.isZero(0.0)) {
+    const double rate = omega.stableNorm();
     const double half = 0.5 * rate * s;
     Quat turn;
     turn.w() = std::cos(half);

@@ -244,7 +244,17 @@ Cut Engine::Impl::cut() const {
 
 bool Engine::Impl::hasPublished(std::uint32_t epoch, std::optional<Nanoseconds> stamp_ns) const {
   if (time_line_.epoch() != epoch) return time_line_.epoch() > epoch;
-  return !stamp_ns || (time_line_.watermark() && instantAt(*stamp_ns) < decidedUpTo());
+  if (!stamp_ns) return true;
+  if (!time_line_.watermark() || !(instantAt(*stamp_ns) < decidedUpTo())) return false;
+  const std::vector<Track>& tracks = time_line_.tracks();
+  if (std::none_of(tracks.begin(), tracks.end(), [](const Track& track) { return track.isFrozen(); }))
+    return true;
+  // What moves beside a frozen object is solved by whole pieces, up to its last stamp before the watermark.
+  return std::all_of(tracks.begin(), tracks.end(), [&](const Track& track) {
+    if (track.status() != Track::Status::kLive || !track.lastReleased()) return true;
+    const std::size_t last = track.indexAt(*time_line_.watermark(), track.endIndex() - 1);
+    return *stamp_ns < track.stamp(last);
+  });
 }
 
 // ---- the public face

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <random>
@@ -135,6 +137,19 @@ TEST_F(MeshFile, CoordinateRoundingBoundsWhatTheReaderLost) {
       EXPECT_LE(nearest, mesh.report.coordinate_rounding) << "mesh " << i;
     }
   }
+}
+
+TEST_F(MeshFile, limit_AFileOfFarCoordinatesKeepsSevenDigits) {
+  // A metre wide, a kilometre away: the reader's float32 moves its corners by up to 31 micrometres, and says
+  // so.
+  const std::string far = "v 1000.00001 0 0\nv 1001.00001 0 0\nv 1000.00001 1 0\nf 1 2 3\n";
+  const TriangleMesh mesh = load("far.obj", far);
+  double moved = 0.0;
+  for (const Vec3& v : mesh.vertices)
+    moved = std::max(moved, std::min(std::abs(v.x() - 1000.00001), std::abs(v.x() - 1001.00001)));
+  EXPECT_GT(moved, 5e-6);
+  EXPECT_LE(moved, mesh.report.coordinate_rounding);
+  EXPECT_LT(mesh.report.coordinate_rounding, 5e-4);
 }
 
 TEST_F(MeshFile, BadFilesGetOneClearLine) {

@@ -2,12 +2,8 @@
 // them.
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstring>
-
 #include "collision_node/impact/straight_path.h"
-#include "test/impact/moving_pair.h"
-#include "test/oracle/flat_distance.h"
+#include "test/impact/star_shot.h"
 
 namespace moving {
 namespace {
@@ -15,30 +11,8 @@ namespace {
 using collision_node::impact::Lanes;
 using collision_node::impact::PathContact;
 using collision_node::impact::StraightPath;
-using oracle::V3;
 
 constexpr double kWidth = 1e-9;
-constexpr Nanoseconds kSpan = 33'333'333;
-
-/// Triangles, where they stand, and a shot past them.
-struct Shot {
-  std::vector<Vec3> vertices;
-  std::vector<Corners> triangles;
-  Pose pose;
-  Vec3 from = Vec3::Zero(), velocity = Vec3::Zero();  // in the world, at the start
-  double radius = 0.0;
-
-  double duration() const { return static_cast<double>(kSpan) * 1e-9; }
-  /// The shot in the triangles' frame, in extended precision.
-  V3 at(Real t) const {
-    const oracle::M3 r = oracle::rotationOf(pose.orientation);
-    const V3 d = oracle::exact(from) - oracle::exact(pose.position) + t * oracle::exact(velocity);
-    return {oracle::dot(r.column[0], d), oracle::dot(r.column[1], d), oracle::dot(r.column[2], d)};
-  }
-  std::array<V3, 3> corners(const Corners& c) const {
-    return {oracle::exact(vertices[c[0]]), oracle::exact(vertices[c[1]]), oracle::exact(vertices[c[2]])};
-  }
-};
 
 /// Answers of the solver, for tests that only look at those.
 PathContact answer(const Shot& shot, Lanes lanes = collision_node::impact::fastestLanes(),
@@ -46,86 +20,13 @@ PathContact answer(const Shot& shot, Lanes lanes = collision_node::impact::faste
   const Body body({mesh(shot.vertices, shot.triangles, SolidChoice::kNo)});
   const Body single({shot.radius > 0.0 ? placed(collision_node::geometry::Sphere{shot.radius})
                                        : placed(collision_node::geometry::Point{})});
-  Piece piece;
-  piece.start_ns = 1'700'000'000'000'000'000;
-  piece.end_ns = piece.start_ns + kSpan;
-  piece.a = resting(shot.pose.position, shot.pose.orientation);
-  piece.b = flight(piece.start_ns, piece.end_ns, shot.from, shot.velocity);
+  const Piece piece = shot.piece();
   const PairPiece pair(body, single, piece, 0.0);
-  const auto path = StraightPath::of(pair);
+  const auto path = StraightPath::of(pair.a, pair.b, piece, 0.0);
   PathContact contact;
   EXPECT_TRUE(path.has_value());
   if (path) path->first(from, pair.motion.duration(), kWidth, contact, lanes);
   return contact;
-}
-
-/// When the line crosses the triangle; `sure` is false where the signs are too small to tell.
-struct Truth {
-  bool hit = false, sure = true;
-  Real time = 0;
-};
-Truth crossing(const V3& p, const V3& v, const std::array<V3, 3>& c) {
-  Real side[3], size = 0;
-  for (int k = 0; k < 3; ++k) {
-    const V3 i = c[(k + 1) % 3] - p, j = c[(k + 2) % 3] - p;
-    side[k] = oracle::dot(v, oracle::cross(i, j));
-    size = std::max(size, oracle::norm(i) * oracle::norm(j) * oracle::norm(v));
-  }
-  Truth truth;
-  const Real least = std::min({side[0], side[1], side[2]}), most = std::max({side[0], side[1], side[2]});
-  const Real unsure = 1e-13L * size;
-  truth.sure = std::abs(side[0]) > unsure && std::abs(side[1]) > unsure && std::abs(side[2]) > unsure;
-  truth.hit = least > 0 || most < 0;
-  const V3 n = oracle::cross(c[1] - c[0], c[2] - c[0]);
-  if (truth.hit) truth.time = oracle::dot(n, c[0] - p) / oracle::dot(n, v);
-  return truth;
-}
-Truth firstCrossing(const Shot& shot) {
-  const V3 p = shot.at(0), v = shot.at(1) - p;
-  Truth first;
-  for (const Corners& t : shot.triangles) {
-    const Truth one = crossing(p, v, shot.corners(t));
-    first.sure &= one.sure || !one.hit;
-    if (!one.hit || one.time < 0 || one.time > shot.duration()) continue;
-    if (!first.hit || one.time < first.time) first = {true, first.sure, one.time};
-  }
-  return first;
-}
-
-/// A closed, star-shaped body of about `size`, bumpy.
-void addStar(Random& random, Shot& shot, int rows, int columns, double size) {
-  const auto base = static_cast<std::int32_t>(shot.vertices.size());
-  const auto radius = [&] { return size * random.in(0.8, 1.2); };
-  for (int i = 1; i < rows; ++i) {
-    for (int j = 0; j < columns; ++j) {
-      const double u = M_PI * i / rows, v = 2.0 * M_PI * j / columns;
-      shot.vertices.push_back(radius() *
-                              Vec3(std::sin(u) * std::cos(v), std::sin(u) * std::sin(v), std::cos(u)));
-    }
-  }
-  const auto top = static_cast<std::int32_t>(shot.vertices.size()), bottom = top + 1;
-  shot.vertices.push_back(radius() * Vec3(0, 0, 1));
-  shot.vertices.push_back(radius() * Vec3(0, 0, -1));
-  const auto at = [&](int i, int j) { return base + (i - 1) * columns + j % columns; };
-  for (int j = 0; j < columns; ++j) {
-    shot.triangles.push_back({top, at(1, j), at(1, j + 1)});
-    shot.triangles.push_back({bottom, at(rows - 1, j + 1), at(rows - 1, j)});
-    for (int i = 1; i + 1 < rows; ++i) {
-      shot.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      shot.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  }
-}
-
-Shot starShot(Random& random, double radius = 0.0, int rows = 16, int columns = 24) {
-  Shot shot;
-  addStar(random, shot, rows, columns, 3.0);
-  shot.pose = {randomVec(random, 100.0), random.orientation()};
-  shot.velocity = 2000.0 * random.direction();
-  const Vec3 aim = shot.pose.position + randomVec(random, 3.5);
-  shot.from = aim - random.in(0.1, 0.9) * shot.duration() * shot.velocity;
-  shot.radius = radius;
-  return shot;
 }
 
 void expectHolds(const PathContact& contact, Real time) {
@@ -178,7 +79,7 @@ TEST(StraightPath, NoPathLeaksThroughASharedEdgeOrVertex) {
       piece.b = flight(0, kSpan, start, (inner - start) / (static_cast<double>(kSpan) * 1e-9));
       const PairPiece pair(body, single, piece, 0.0);
       PathContact contact;
-      StraightPath::of(pair)->first(0.0, pair.motion.duration(), kWidth, contact);
+      StraightPath::of(pair.a, pair.b, piece, 0.0)->first(0.0, pair.motion.duration(), kWidth, contact);
       ASSERT_NE(contact.kind, PathContact::Kind::kClear);
       undecided += contact.kind == PathContact::Kind::kCannotTell;
       if (contact.kind == PathContact::Kind::kContact) {
@@ -356,16 +257,16 @@ TEST(StraightPath, WhatTurnsOrBendsIsNoStraightPath) {
   piece.end_ns = kSpan;
   piece.a = resting();
   piece.b = flight(0, kSpan, {0, 0, 1}, {0, 0, -100}, {0, 0, 3});
-  EXPECT_TRUE(StraightPath::of(PairPiece(body, point, piece, 0.0)).has_value());
-  EXPECT_TRUE(StraightPath::of(PairPiece(point, body, {0, kSpan, piece.b, piece.a}, 0.0)).has_value());
-  EXPECT_FALSE(StraightPath::of(PairPiece(body, off, piece, 0.0)).has_value());
-  EXPECT_FALSE(StraightPath::of(PairPiece(point, body, piece, 0.0)).has_value());
-  EXPECT_FALSE(StraightPath::of(PairPiece(body, body, piece, 0.0)).has_value());
+  EXPECT_TRUE(StraightPath::of(body, point, piece, 0.0).has_value());
+  EXPECT_TRUE(StraightPath::of(point, body, {0, kSpan, piece.b, piece.a}, 0.0).has_value());
+  EXPECT_FALSE(StraightPath::of(body, off, piece, 0.0).has_value());
+  EXPECT_FALSE(StraightPath::of(point, body, piece, 0.0).has_value());
+  EXPECT_FALSE(StraightPath::of(body, body, piece, 0.0).has_value());
   piece.tube = 1e-3;
-  EXPECT_FALSE(StraightPath::of(PairPiece(body, point, piece, 0.0)).has_value());
+  EXPECT_FALSE(StraightPath::of(body, point, piece, 0.0).has_value());
   piece.tube = 0.0;
   piece.b.c[2] = {0, 0, -5};
-  EXPECT_FALSE(StraightPath::of(PairPiece(body, point, piece, 0.0)).has_value());
+  EXPECT_FALSE(StraightPath::of(body, point, piece, 0.0).has_value());
 }
 
 }  // namespace

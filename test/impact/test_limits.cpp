@@ -1,0 +1,70 @@
+// What the motion model cannot see, pinned: docs/limits.md shows a picture of each. A limit that is lifted
+// turns a test red, and its picture comes off the page.
+#include "collision_node/motion/stamped_pose.h"
+#include "test/impact/nasty.h"
+
+namespace nasty {
+namespace {
+
+/// A ball on a circle of 10 m about the origin, 100 m/s, two poses a tenth of a second apart: one radian. The
+/// arc is 1.22 m off its chord in the middle.
+struct Arc {
+  static constexpr double kRadius = 10.0, kSpeed = 100.0;
+  static motion::StampedPose at(double angle, Nanoseconds stamp) {
+    motion::StampedPose pose;
+    pose.stamp_ns = stamp;
+    pose.pose.position = kRadius * Vec3(std::sin(angle), std::cos(angle), 0);
+    pose.has_twist = true;
+    pose.linear = kSpeed * Vec3(std::cos(angle), -std::sin(angle), 0);
+    return pose;
+  }
+  const motion::StampedPose from = at(-0.5, 0), to = at(0.5, kSecond / 10);
+};
+
+TEST(Limits, limit_BetweenTwoPosesAnArcIsItsChord) {
+  const Arc arc;
+  const Vec3 top(0, Arc::kRadius, 0), on_chord(0, Arc::kRadius * std::cos(0.5), 0);
+  struct {
+    bool cubic;
+    Vec3 post;
+    const char* story;
+  } const cases[] = {
+      {false, top, ""},  // the true ball hits this post; the chord passes 1.22 m below it
+      {false, on_chord, "IMPACT CONFIRMED, SEPARATION CONFIRMED"},  // and this one it never met
+      {true, top, "IMPACT CONFIRMED, SEPARATION CONFIRMED"},        // twists tell of the bend
+      {true, on_chord, ""}};
+  for (const auto& c : cases) {
+    Watched pair({sphere(0.3, c.post)}, {sphere(0.1)});
+    pair.advance(0, kSecond / 10, resting(),
+                 c.cubic ? motion::hermite(arc.from, arc.to) : motion::straightSlerp(arc.from, arc.to));
+    EXPECT_EQ(pair.story(), c.story) << (c.cubic ? "hermite " : "slerp ") << c.post.transpose()
+                                     << pair.list();
+  }
+}
+
+TEST(Limits, limit_AWholeTurnBetweenTwoPosesIsNoTurn) {
+  // A bar of 2 m that turns once about z in a tenth of a second, and a post beside it that its ends sweep
+  // over.
+  motion::StampedPose from, to;
+  to.stamp_ns = kSecond / 10;
+  from.has_twist = to.has_twist = true;
+  from.angular = to.angular = Vec3(0, 0, 20 * kPi);
+  Watched unseen({box(2, 0.1, 0.1)}, {sphere(0.1, {0, 0.8, 0})});
+  unseen.advance(0, kSecond / 10, motion::straightSlerp(from, to), resting());
+  EXPECT_EQ(unseen.story(), "") << unseen.list();
+  Watched seen({box(2, 0.1, 0.1)}, {sphere(0.1, {0, 0.8, 0})});
+  seen.advance(0, kSecond / 10, motion::spin(from, to), resting());
+  EXPECT_EQ(seen.count(Kind::kImpact), 2) << "both ends pass\n" << seen.list();
+}
+
+TEST(Limits, limit_ABodyThatTurnsBackBetweenTwoPosesStoodStill) {
+  // Out by a metre and back within a frame: both poses are the same, and so is everything between them.
+  motion::StampedPose from, to;
+  to.stamp_ns = kFrame;
+  Watched pair({sphere(0.1, {0.5, 0, 0})}, {sphere(0.1)});
+  pair.advance(0, kFrame, resting(), motion::straightSlerp(from, to));
+  EXPECT_EQ(pair.story(), "") << pair.list();
+}
+
+}  // namespace
+}  // namespace nasty
