@@ -67,7 +67,8 @@ class Builder {
 
   UrdfModel build(const urdf::ModelInterface& parsed) {
     model_.name = parsed.getName();
-    addLink(*parsed.getRoot(), Pose{}, "");
+    addLink(*parsed.getRoot(), {}, Pose{}, "");
+    for (UrdfLink& link : model_.links) followMimics(link.joint);
     if (!faults_.empty()) throw LoadError(join(faults_));
     return std::move(model_);
   }
@@ -87,7 +88,60 @@ class Builder {
     return {result.position, result.orientation.normalized()};
   }
 
-  void addLink(const urdf::Link& link, const Pose& T_root_l, const std::string& parent) {
+  static UrdfJoint toJoint(const urdf::Joint& joint) {
+    using Kind = UrdfJoint::Kind;
+    static const std::map<int, Kind> kinds = {{urdf::Joint::FIXED, Kind::kFixed},
+                                              {urdf::Joint::REVOLUTE, Kind::kRevolute},
+                                              {urdf::Joint::CONTINUOUS, Kind::kContinuous},
+                                              {urdf::Joint::PRISMATIC, Kind::kPrismatic}};
+    UrdfJoint result;
+    result.name = result.driver = joint.name;
+    const auto kind = kinds.find(joint.type);
+    result.kind = kind == kinds.end() ? Kind::kOther : kind->second;
+    if (result.kind == Kind::kFixed) return result;
+    const Vec3 axis = toVec3(joint.axis);
+    if (result.kind == Kind::kOther)
+      result.fault = "is planar or floating: no single position says where its link is";
+    else if (!axis.allFinite() || axis.isZero(0.0))
+      result.fault = "has the axis " + format(axis.x()) + " " + format(axis.y()) + " " + format(axis.z()) +
+                     "; it must be finite and not zero";
+    else
+      result.axis = axis.stableNormalized();
+    if (!joint.mimic) return result;
+    result.driver = joint.mimic->joint_name;
+    result.multiplier = joint.mimic->multiplier;
+    result.offset = joint.mimic->offset;
+    if (result.driver == joint.name) result.fault = "mimics itself";
+    if (!std::isfinite(result.multiplier) || !std::isfinite(result.offset))
+      result.fault = "mimics with a multiplier or offset that is not finite";
+    return result;
+  }
+
+  /// A joint that mimics one that mimics another follows the one that moves by itself.
+  void followMimics(UrdfJoint& joint) const {
+    UrdfJoint result = joint;
+    std::set<std::string> passed{joint.name};
+    const bool mimics = joint.driver != joint.name;
+    while (mimics && joint.fault.empty()) {
+      const auto next = std::find_if(model_.links.begin(), model_.links.end(),
+                                     [&](const UrdfLink& link) { return link.joint.name == result.driver; });
+      if (next == model_.links.end() || next->joint.kind == UrdfJoint::Kind::kFixed) {
+        joint.fault = "mimics '" + result.driver + "', which is no movable joint";
+      } else if (!passed.insert(result.driver).second) {
+        joint.fault = "mimics a joint that mimics it in turn";
+      } else if (next->joint.driver == next->joint.name) {
+        joint = result;
+        return;
+      } else {
+        result.offset += result.multiplier * next->joint.offset;
+        result.multiplier *= next->joint.multiplier;
+        result.driver = next->joint.driver;
+      }
+    }
+  }
+
+  void addLink(const urdf::Link& link, const UrdfJoint& joint, const Pose& T_parent_l,
+               const std::string& parent) {
     if (!seen_.insert(link.name).second) {  // also what ends a ring of joints
       fault("link '" + link.name + "'", "is the child of more than one joint; a link hangs from exactly one");
       return;
@@ -95,7 +149,10 @@ class Builder {
     UrdfLink result;
     result.name = link.name;
     result.parent = parent;
-    result.T_root_l = T_root_l;
+    result.joint = joint;
+    result.T_parent_l = T_parent_l;
+    result.T_root_l = parent.empty() ? Pose{} : T_root_l_.at(parent) * T_parent_l;
+    T_root_l_[link.name] = result.T_root_l;
     for (std::size_t i = 0; i < link.collision_array.size(); ++i) {
       const urdf::Collision& collision = *link.collision_array[i];
       const std::string where = "link '" + link.name + "', collision element " + std::to_string(i);
@@ -114,7 +171,7 @@ class Builder {
       const Pose T_l_child = toPose(joint->parent_to_joint_origin_transform, "joint '" + joint->name + "'");
       // The link's own vector is in the same order as its joints' only by accident: go by name.
       for (const auto& child : link.child_links) {
-        if (child->name == joint->child_link_name) addLink(*child, T_root_l * T_l_child, link.name);
+        if (child->name == joint->child_link_name) addLink(*child, toJoint(*joint), T_l_child, link.name);
       }
     }
   }
@@ -184,6 +241,7 @@ class Builder {
   UrdfModel model_;
   std::vector<std::string> faults_;
   std::set<std::string> seen_;
+  std::map<std::string, Pose> T_root_l_;  // by link
   std::map<std::tuple<std::string, double, double, double>, std::shared_ptr<const TriangleMesh>> meshes_;
 };
 

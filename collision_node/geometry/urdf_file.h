@@ -10,9 +10,22 @@
 
 namespace collision_node::geometry {
 
+/// How a link hangs on its parent. At position q it is turned by q about `axis`, or shifted by q along it.
+struct UrdfJoint {
+  enum class Kind { kFixed, kRevolute, kContinuous, kPrismatic, kOther } kind = Kind::kFixed;
+  std::string name;
+  Vec3 axis = Vec3::UnitX();  ///< unit, in the link's frame; meant for revolute, continuous and prismatic
+  /// Position = multiplier x that of the joint `driver` + offset: of itself, or of the joint that it mimics.
+  std::string driver;
+  double multiplier = 1.0, offset = 0.0;
+  std::string fault;  ///< why one position does not tell where the link is; no fault of a link held at 0
+};
+
 struct UrdfLink {
   std::string name;
   std::string parent;               ///< parent link, empty for the root
+  UrdfJoint joint;                  ///< to the parent; none for the root
+  Pose T_parent_l;                  ///< parent <- link with the joint at 0
   Pose T_root_l;                    ///< root <- link, every movable joint at 0, fixed joints folded in
   std::vector<PlacedShape> shapes;  ///< collision elements in URDF order, in the link's frame; may be empty
 };

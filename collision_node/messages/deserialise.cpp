@@ -16,12 +16,17 @@ std::uint32_t countAt(const RawMessage& raw, std::uint32_t offset) {
 }  // namespace
 
 void checkArray(const RawMessage& raw, std::uint32_t offset, std::uint32_t least) {
+  countArray(raw, offset, least);
+}
+
+std::uint32_t countArray(const RawMessage& raw, std::uint32_t offset, std::uint32_t least) {
   const std::uint32_t count = countAt(raw, offset);
   const std::uint32_t left = raw.size - offset - 4;
   if (count > left / least)
     throw PoseError("a " + raw.datatype + " message of " + std::to_string(raw.size) + " bytes claims " +
                     std::to_string(count) + " elements; at most " + std::to_string(left / least) +
                     " fit: it is damaged");
+  return count;
 }
 
 std::uint32_t headerSize(const RawMessage& raw) {

@@ -14,6 +14,8 @@ namespace collision_node::messages {
 /// Throws PoseError when an array that starts at `offset` of the bytes claims more elements than they can
 /// hold: reserving room for them would take all memory. `least`: bytes of the smallest element.
 void checkArray(const RawMessage& raw, std::uint32_t offset, std::uint32_t least);
+/// The same, and how many it has.
+std::uint32_t countArray(const RawMessage& raw, std::uint32_t offset, std::uint32_t least);
 
 /// Bytes of a std_msgs/Header in front of the message. Throws PoseError when they end too early.
 std::uint32_t headerSize(const RawMessage& raw);

@@ -9,6 +9,7 @@
 #include "collision_node/messages/convert.h"
 #include "collision_node/messages/deserialise.h"
 #include "collision_node/messages/name_states.h"
+#include "collision_node/messages/path_memory.h"
 
 namespace collision_node::messages {
 
@@ -19,7 +20,7 @@ using scene::PoseSource;
 
 const char* const kSupported =
     "geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped, PoseArray (with index), "
-    "nav_msgs/Odometry, gazebo_msgs/ModelStates (with model), LinkStates (with link)";
+    "nav_msgs/Odometry, Path, gazebo_msgs/ModelStates (with model), LinkStates (with link)";
 
 PoseReading stamped(const std_msgs::Header& header, const geometry_msgs::Pose& pose) {
   PoseReading out;
@@ -77,12 +78,6 @@ bool withType(const std::string& datatype, Visit&& visit) {
 
 bool isGazebo(const std::string& datatype) { return datatype == kModelStates || datatype == kLinkStates; }
 
-void checkVersion(const std::string& datatype, const std::string& md5sum, const std::string& ours) {
-  if (md5sum != ours)
-    throw PoseError("type " + datatype + " has md5sum " + md5sum + ", this build knows " + ours +
-                    ": recorded or sent with another version of the message");
-}
-
 /// The keys beside the topic pick one of many; each goes with its own type.
 void checkSelection(const std::string& datatype, const PoseSource& source) {
   const struct {
@@ -105,6 +100,12 @@ void checkSelection(const std::string& datatype, const PoseSource& source) {
 
 }  // namespace
 
+void checkVersion(const std::string& datatype, const std::string& md5sum, const std::string& ours) {
+  if (md5sum != ours)
+    throw PoseError("type " + datatype + " has md5sum " + md5sum + ", this build knows " + ours +
+                    ": recorded or sent with another version of the message");
+}
+
 void checkPoseType(const std::string& datatype, const std::string& md5sum, const PoseSource& source) {
   const bool known = withType(datatype, [&](auto message, const std::string& name) {
     using Message = decltype(message);
@@ -112,9 +113,10 @@ void checkPoseType(const std::string& datatype, const std::string& md5sum, const
     checkVersion(name, md5sum, ros::message_traits::md5sum<Message>());
     return true;
   });
-  if (!known && !isGazebo(datatype))
+  if (!known && !isGazebo(datatype) && datatype != kPath)
     throw PoseError("type " + datatype + " carries no pose that can be read; supported: " + kSupported);
-  if (!known) checkVersion(datatype, md5sum, kGazeboStatesMd5);
+  if (isGazebo(datatype)) checkVersion(datatype, md5sum, kGazeboStatesMd5);
+  if (datatype == kPath) checkVersion(datatype, md5sum, kPathMd5);
   checkSelection(datatype, source);
 }
 

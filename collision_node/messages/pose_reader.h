@@ -31,6 +31,9 @@ struct PoseError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Throws PoseError when a message is of another version of its type than this build knows.
+void checkVersion(const std::string& datatype, const std::string& md5sum, const std::string& ours);
+
 /// Throws PoseError when messages of this type cannot feed `source`: unknown type, another version of a known
 /// one, a selection (`index`, `model`, `link`) that the type needs and the source lacks.
 void checkPoseType(const std::string& datatype, const std::string& md5sum, const scene::PoseSource& source);

@@ -17,6 +17,9 @@ const char* const kTfStatic = "/tf_static";
 
 bool isTf(const std::string& topic) { return topic == kTf || topic == kTfStatic; }
 
+/// The name in the frame tree of an object's own poses.
+std::string poseFrame(const std::string& object) { return "the pose of object '" + object + "'"; }
+
 }  // namespace
 
 PoseRouter::PoseRouter(std::shared_ptr<const scene::Scene> scene, const ResolveTopic& resolve, Sink sink)
@@ -30,35 +33,79 @@ PoseRouter::PoseRouter(std::shared_ptr<const scene::Scene> scene, const ResolveT
           }),
       topic_of_(scene_->objects.size()) {
   for (std::size_t i = 0; i < scene_->objects.size(); ++i) {
-    const scene::Object& object = scene_->objects[i];
+    const scene::PoseSource& source = scene_->objects[i].source;
     const int index = static_cast<int>(i);
-    switch (object.source.type) {
+    switch (source.type) {
       case scene::PoseSource::Type::kFixed:
         break;
       case scene::PoseSource::Type::kTf:
         useTf();
-        tf_.follow(index, withoutSlash(object.source.tf_frame));
+        tf_.follow(index, withoutSlash(source.tf_frame));
         break;
-      case scene::PoseSource::Type::kTopic: {
-        Target target;
-        target.object = index;
-        target.name = object.name;
-        target.source = object.source;
-        target.child = "the pose of object '" + object.name + "'";
-        const std::string topic = resolve(object.source.topic);
-        topic_of_[i] = topic;
-        listen(topic, std::move(target));
+      case scene::PoseSource::Type::kTopic:
+        followTopic(index, resolve);
         break;
-      }
+      case scene::PoseSource::Type::kJoints:
+        followJoints(index, resolve);
+        break;
     }
   }
 }
 
-void PoseRouter::listen(const std::string& topic, Target target) {
-  if (isTf(topic))
-    throw PoseError("object '" + target.name + "': topic " + topic + " is read by pose: {tf: frame}");
-  targets_[topic].push_back(std::move(target));
+void PoseRouter::followTopic(int index, const ResolveTopic& resolve) {
+  const scene::Object& object = scene_->objects[static_cast<std::size_t>(index)];
+  const std::string topic = resolve(object.source.topic);
+  checkTopic(topic, object.name);
+  targets_[topic].push_back(
+      {index,
+       object.name,
+       object.source,
+       poseFrame(object.name),
+       hasParts(index),
+       {},
+       PathMemory(scene::toNanoseconds(scene_->time.reorder), scene::toNanoseconds(scene_->time.jump))});
+  topic_of_[static_cast<std::size_t>(index)] = topic;
   addTopic(topic);
+}
+
+/// The first part stands in front of the others, which hang on its frame.
+void PoseRouter::followJoints(int index, const ResolveTopic& resolve) {
+  const scene::Object& object = scene_->objects[static_cast<std::size_t>(index)];
+  const scene::PoseSource& root =
+      std::find_if(scene_->objects.begin(), scene_->objects.end(), [&](const scene::Object& other) {
+        return other.name == object.name;
+      })->source;
+  const std::string topic = resolve(object.source.topic);
+  checkTopic(topic, object.name);
+  topic_of_[static_cast<std::size_t>(index)] = topic;
+  addTopic(topic);
+
+  std::string parent =
+      root.type == scene::PoseSource::Type::kTf ? withoutSlash(root.tf_frame) : poseFrame(object.name);
+  const std::string first = parent;
+  std::vector<JointEdges::Edge> edges;
+  for (const scene::PartJoint& joint : object.source.joints) {
+    const std::string child = "joint '" + joint.joint.name + "' of object '" + object.name + "'";
+    edges.push_back({object.name, parent, child, joint});
+    parent = child;
+  }
+  tf_.follow(index, parent, object.label());
+  for (JointEdges::Edge& edge : edges) {
+    tf_.announce(edge.parent, edge.child);
+    joints_[topic].add(std::move(edge));
+  }
+  motion::StampedPose fixed;
+  fixed.pose = root.fixed;
+  if (root.type == scene::PoseSource::Type::kFixed) tf_.add(world_frame_, first, fixed, StampKind::kAlways);
+}
+
+bool PoseRouter::hasParts(int index) const {
+  const auto next = static_cast<std::size_t>(index) + 1;
+  return next < scene_->objects.size() && scene_->objects[next].name == scene_->objects[next - 1].name;
+}
+
+void PoseRouter::checkTopic(const std::string& topic, const std::string& name) const {
+  if (isTf(topic)) throw PoseError("object '" + name + "': topic " + topic + " is read by pose: {tf: frame}");
 }
 
 void PoseRouter::addTopic(const std::string& topic) {
@@ -79,19 +126,49 @@ void PoseRouter::checkType(const std::string& topic, const std::string& datatype
       throw PoseError("topic " + topic + ": type " + datatype + " is not tf2_msgs/TFMessage");
     return;
   }
-  const auto found = targets_.find(topic);
-  if (found == targets_.end()) return;
-  for (const Target& target : found->second) {
-    try {
-      checkPoseType(datatype, md5sum, target.source);
-    } catch (const PoseError& error) {
-      throw PoseError("topic " + topic + " (object '" + target.name + "'): " + error.what());
-    }
-  }
+  checkTypeFor(topic, datatype, md5sum);
+  if (targets_.count(topic) == 0 && joints_.count(topic) == 0) return;
   const TopicType& first = types_.emplace(topic, TopicType{datatype, md5sum}).first->second;
   if (first.datatype != datatype)
     throw PoseError("topic " + topic + ": its type was " + first.datatype + " and is now " + datatype +
                     "; the first stands");
+}
+
+void PoseRouter::checkTypeFor(const std::string& topic, const std::string& datatype,
+                              const std::string& md5sum) const {
+  std::string reader;
+  try {
+    if (const auto found = targets_.find(topic); found != targets_.end()) {
+      for (const Target& target : found->second) {
+        reader = "object '" + target.name + "'";
+        checkPoseType(datatype, md5sum, target.source);
+      }
+    }
+    reader = "joints";
+    if (joints_.count(topic) != 0) checkJointType(datatype, md5sum);
+  } catch (const PoseError& error) {
+    throw PoseError("topic " + topic + " (" + reader + "): " + error.what());
+  }
+}
+
+void PoseRouter::count(scene::Stats& stats) const {
+  stats.rejected += refused();
+  const scene::InputCounts chains = tf_.dropped();
+  stats.late += chains.late;
+  stats.duplicate += chains.duplicate;
+  for (const auto& entry : targets_) {
+    for (const Target& target : entry.second) {
+      stats.late += target.paths.late();
+      stats.duplicate += target.paths.duplicates();
+    }
+  }
+}
+
+std::vector<std::string> PoseRouter::missingJoints() const {
+  std::vector<std::string> out;
+  for (const auto& [topic, edges] : joints_)
+    for (const std::string& line : edges.missing()) out.push_back(line + ", on " + topic);
+  return out;
 }
 
 std::uint64_t PoseRouter::refused() const {
@@ -109,15 +186,34 @@ void PoseRouter::deliver(const std::string& topic, int object, const motion::Sta
 
 void PoseRouter::flush() { tf_.flush(); }
 
-void PoseRouter::clockWentBack() { tf_.clockWentBack(); }
+void PoseRouter::clockWentBack() {
+  tf_.clockWentBack();
+  for (auto& entry : targets_)
+    for (Target& target : entry.second) target.paths.forget();
+}
+
+void PoseRouter::describe(scene::Fingerprint& to) const {
+  tf_.describe(to);
+  for (const auto& entry : targets_)
+    for (const Target& target : entry.second) target.paths.describe(to);
+}
+
+void PoseRouter::reset() {
+  flush();
+  for (auto& entry : targets_)
+    for (Target& target : entry.second) target.paths.forget();
+}
 
 void PoseRouter::handle(const std::string& topic, const RawMessage& message,
                         motion::Nanoseconds received_ns) {
   try {
-    if (isTf(topic))
+    if (isTf(topic)) {
       handleTf(topic, message);
-    else
+    } else {
+      checkType(topic, message.datatype, message.md5sum);
+      if (joints_.count(topic) != 0) handleJoints(topic, message);
       handlePoses(topic, message, received_ns);
+    }
   } catch (const PoseError& error) {
     TopicFaults& faults = faults_[topic];
     if (faults.refused++ == 0) faults.first_refusal = error.what();
@@ -130,14 +226,18 @@ void PoseRouter::learnFrame(const std::string& topic, const RawMessage& message)
   if (found == targets_.end()) return;
   for (Target& target : found->second) {
     try {
-      takeFrame(topic, target, readPose(message, target.source, 0));
+      if (message.datatype != kPath)
+        takeFrame(topic, target, readPose(message, target.source, 0));
+      else if (const auto path = readPath(message); !path.empty())
+        takeFrame(topic, target, path.front());
     } catch (const std::runtime_error&) {  // PoseError, TfError
       // It is refused, and told, when it is handled.
     }
   }
 }
 
-/// The frame of the first message stands. Another one than world_frame makes the object hang on tf.
+/// The frame of the first message stands. Another one than world_frame makes the object hang on tf; an object
+/// on which joints hang is in the tree whatever its frame.
 void PoseRouter::takeFrame(const std::string& topic, Target& target, const PoseReading& reading) {
   const std::string& frame = reading.in_world ? world_frame_ : reading.frame;
   if (frame.empty())
@@ -147,8 +247,8 @@ void PoseRouter::takeFrame(const std::string& topic, Target& target, const PoseR
     throw PoseError("header.frame_id is '" + frame + "' and was '" + *target.frame + "'; the first stands");
   if (target.frame) return;
   target.frame = frame;
-  if (frame == world_frame_) return;
-  useTf();
+  if (frame == world_frame_ && !target.has_parts) return;
+  if (frame != world_frame_) useTf();
   tf_.follow(target.object, target.child, frame + ", of topic " + topic);
   tf_.announce(frame, target.child);
 }
@@ -157,21 +257,43 @@ void PoseRouter::handlePoses(const std::string& topic, const RawMessage& message
                              motion::Nanoseconds received_ns) {
   const auto found = targets_.find(topic);
   if (found == targets_.end()) return;
-  checkType(topic, message.datatype, message.md5sum);
   std::string fault;
   for (Target& target : found->second) {
     try {
-      const PoseReading reading = readPose(message, target.source, received_ns);
-      takeFrame(topic, target, reading);
-      if (*target.frame == world_frame_)
-        deliver(topic, target.object, reading.pose, reading.kind);
-      else
-        tf_.add(*target.frame, target.child, reading.pose, reading.kind);
+      if (message.datatype != kPath) {
+        take(topic, target, readPose(message, target.source, received_ns));
+        continue;
+      }
+      const std::vector<PoseReading> path = readPath(message);
+      if (!path.empty()) takeFrame(topic, target, path.front());
+      for (const PoseReading& reading : target.paths.news(path)) take(topic, target, reading);
     } catch (const std::runtime_error& error) {  // PoseError, TfError
       if (fault.empty()) fault = "topic " + topic + " (object '" + target.name + "'): " + error.what();
     }
   }
   if (!fault.empty()) throw PoseError(fault);
+}
+
+void PoseRouter::take(const std::string& topic, Target& target, const PoseReading& reading) {
+  takeFrame(topic, target, reading);
+  motion::StampedPose checked = reading.pose;
+  // What hangs on a bad pose would be counted as bad, too.
+  const bool is_bad = target.has_parts && motion::checkAndNormalise(checked) != motion::PoseFault::kNone;
+  if ((*target.frame == world_frame_ && !target.has_parts) || is_bad)
+    deliver(topic, target.object, reading.pose, reading.kind);
+  else
+    tf_.add(*target.frame, target.child, reading.pose, reading.kind);
+}
+
+void PoseRouter::handleJoints(const std::string& topic, const RawMessage& message) {
+  try {
+    joints_.at(topic).take(readJointStates(message),
+                           [this](const JointEdges::Edge& edge, const motion::StampedPose& pose) {
+                             tf_.add(edge.parent, edge.child, pose, StampKind::kSent);
+                           });
+  } catch (const std::runtime_error& error) {  // PoseError, TfError
+    throw PoseError("topic " + topic + " (joints): " + error.what());
+  }
 }
 
 void PoseRouter::handleTf(const std::string& topic, const RawMessage& message) {

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "collision_node/messages/joint_states.h"
+#include "collision_node/messages/path_memory.h"
 #include "collision_node/messages/pose_reader.h"
 #include "collision_node/messages/tf_tree.h"
 #include "collision_node/scene/engine.h"
@@ -26,7 +28,8 @@ struct TopicFaults {
 /// Takes raw messages by topic and hands poses to the engine. One caller at a time.
 ///
 /// Poses in world_frame go straight on. What else drives an object becomes edges of one frame tree: /tf,
-/// poses in another frame (an edge from there to the object).
+/// poses in another frame (an edge from there to the object), joint positions (an edge from the part before
+/// the joint to the part behind it).
 class PoseRouter {
  public:
   using Sink = TfTree::Sink;
@@ -62,13 +65,22 @@ class PoseRouter {
   void flush();
   /// /clock went back. To be called before the engine is told.
   void clockWentBack();
+  /// The engine is about to forget all poses: hands out what waits, and takes nothing for sent again.
+  void reset();
 
   const TfTree& tf() const { return tf_; }
+  /// All that the poses it hands out later depend on.
+  void describe(scene::Fingerprint& to) const;
 
   /// By topic; topics without a fault are absent.
   const std::map<std::string, TopicFaults>& faults() const { return faults_; }
   /// Refused messages on all topics.
   std::uint64_t refused() const;
+  /// Adds to what the engine counted what never came to it: refused messages, and what was dropped of chains
+  /// and paths.
+  void count(scene::Stats& stats) const;
+  /// One line for each joint that is waited for.
+  std::vector<std::string> missingJoints() const;
 
  private:
   struct Target {  // of the poses on a topic
@@ -76,17 +88,25 @@ class PoseRouter {
     std::string name;
     scene::PoseSource source;
     std::string child;                 // its frame in the tree
+    bool has_parts = false;            // joints hang on it
     std::optional<std::string> frame;  // of its first message
+    PathMemory paths;
   };
   struct TopicType {
     std::string datatype, md5sum;
   };
 
-  void listen(const std::string& topic, Target target);
+  void followTopic(int index, const ResolveTopic& resolve);
+  void followJoints(int index, const ResolveTopic& resolve);
+  bool hasParts(int index) const;
+  void checkTopic(const std::string& topic, const std::string& name) const;
+  void checkTypeFor(const std::string& topic, const std::string& datatype, const std::string& md5sum) const;
   void addTopic(const std::string& topic);
   void useTf();
   void deliver(const std::string& topic, int object, const motion::StampedPose& pose, StampKind kind);
   void takeFrame(const std::string& topic, Target& target, const PoseReading& reading);
+  void take(const std::string& topic, Target& target, const PoseReading& reading);
+  void handleJoints(const std::string& topic, const RawMessage& message);
   void handlePoses(const std::string& topic, const RawMessage& message, motion::Nanoseconds received_ns);
   void handleTf(const std::string& topic, const RawMessage& message);
 
@@ -100,6 +120,7 @@ class PoseRouter {
   std::map<std::string, TopicFaults> faults_;
   std::map<std::string, TopicType> types_;
   std::map<std::string, std::vector<Target>> targets_;  // by topic
+  std::map<std::string, JointEdges> joints_;            // by topic
 };
 
 /// What a router's sink does with a pose: hands it to the engine as what it is.

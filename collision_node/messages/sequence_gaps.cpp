@@ -7,7 +7,8 @@ namespace {
 /// Of the types a scene may use these begin with a header, and it with the number.
 bool hasNumber(const RawMessage& message) {
   const std::string& type = message.datatype;
-  return message.size >= 4 && (type.rfind("geometry_msgs/", 0) == 0 || type.rfind("nav_msgs/", 0) == 0);
+  return message.size >= 4 && (type.rfind("geometry_msgs/", 0) == 0 || type.rfind("nav_msgs/", 0) == 0 ||
+                               type.rfind("sensor_msgs/", 0) == 0);
 }
 
 std::uint32_t numberOf(const RawMessage& message) {

@@ -227,6 +227,20 @@ void TfTree::addMoving(const std::string& parent, const std::string& child, cons
   if (is_new) resolveAll();
 }
 
+scene::InputCounts TfTree::dropped() const {
+  scene::InputCounts sum;
+  std::set<std::string> counted;
+  for (const auto& follower : followers_) {
+    if (!follower.path) continue;
+    for (const auto& [child, edge] : follower.moving) {
+      if (!counted.insert(child).second) continue;
+      sum.late += follower.path->counts(edge).late;
+      sum.duplicate += follower.path->counts(edge).duplicate;
+    }
+  }
+  return sum;
+}
+
 void TfTree::describe(scene::Fingerprint& to) const {
   for (const auto& follower : followers_) {
     to.add(follower.resolved);

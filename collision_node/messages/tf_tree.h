@@ -60,6 +60,8 @@ class TfTree {
   /// /clock went back: composed paths hand out what they have and begin anew.
   void clockWentBack();
 
+  /// What the tracks of the chains' edges dropped: late, duplicate. An edge of several chains counts once.
+  scene::InputCounts dropped() const;
   /// All that the poses it hands out later depend on, of frames whose chain is known.
   void describe(scene::Fingerprint& to) const;
 

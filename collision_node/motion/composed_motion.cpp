@@ -75,6 +75,9 @@ Turning turningOf(const std::vector<ChainPart>& parts, double h) {
     all.rate += rate;
     prefix = prefix * turn;
   }
+  // Turns against each other add up to less than the sum of their sizes.
+  const double rounding = kRoundingsOfAPart * kUnit * parts.size() * all.rate;
+  all.rate = std::min(all.rate, velocity.norm() + rounding + h * all.change);
   return all;
 }
 

@@ -27,12 +27,15 @@ struct StampedPose {
   bool has_twist = false;       ///< the two below are meant
   Vec3 linear = Vec3::Zero();   ///< velocity of the object's origin, world axes [m/s]
   Vec3 angular = Vec3::Zero();  ///< rate, world axes [rad/s]
+  /// Of a joint that turns: its position, which counts whole turns. NaN: not known. [rad]
+  double turned = std::numeric_limits<double>::quiet_NaN();
   // How far the source's own path may be from the motion model on the segment that ends at this pose, when
   // the source composed this pose from others. Infinite: no bound is known.
   double model_position = 0.0;  ///< at the object's origin [m]
   double model_angle = 0.0;     ///< [rad]
+  bool comes_ahead = false;     ///< of a track that is sent as a whole, ahead of its time
   bool begins_anew = false;     ///< nothing is known of the way here
-  bool may_alias = false;       ///< on that segment a twist contradicts the motion that was composed
+  bool may_alias = false;       ///< on that segment nobody can tell which way round the source turned
 };
 
 /// What a source's numbers are good for. Quaternions with | |q|^2 - 1 | >= 1e-2, NaN, Inf and components

@@ -15,9 +15,6 @@ namespace collision_node::node {
 namespace {
 
 constexpr std::uint32_t kUnlimited = 0;
-/// Messages that may wait for the engine, by topic: minutes of a fast stream. What does not fit is lost, and
-/// counted by its number.
-constexpr std::uint32_t kInputQueue = 200000;
 constexpr double kDiagnosticsPeriod = 1.0;  // [s] of wall time: a paused simulation must not look dead
 
 ros::NodeHandle on(ros::CallbackQueue& queue, ros::NodeHandle handle) {
@@ -102,6 +99,7 @@ void CollisionNode::start(const Parameters& parameters, std::shared_ptr<const sc
   router_ = std::move(router);
   engine_ = std::move(engine);
   markers_ = std::move(markers);
+  queue_size_ = parameters.queue;
   last_heartbeat_ = std::chrono::steady_clock::now();
   std_msgs::String plan;
   plan.data = scene::planText(*scene_);
@@ -114,7 +112,7 @@ void CollisionNode::subscribe() {
     if (!subscribed_.insert(topic).second) continue;
     ros::SubscribeOptions options;
     options.initByFullCallbackType<const ros::MessageEvent<Raw const>&>(
-        topic, kInputQueue,
+        topic, queue_size_,
         [this, topic](const ros::MessageEvent<Raw const>& event) { onMessage(topic, event); });
     options.transport_hints = ros::TransportHints().tcpNoDelay();
     subscribers_.push_back(handle_.subscribe(options));
@@ -123,6 +121,7 @@ void CollisionNode::subscribe() {
 
 void CollisionNode::onMessage(const std::string& topic, const ros::MessageEvent<Raw const>& event) {
   watchClock();
+  ++messages_;
   const Raw& shifter = *event.getConstMessage();
   bytes_.resize(shifter.size());
   ros::serialization::OStream stream(bytes_.data(), static_cast<std::uint32_t>(bytes_.size()));
@@ -160,7 +159,7 @@ void CollisionNode::onEvent(scene::Event event) {
 }
 
 scene::Stats CollisionNode::withMessages(scene::Stats stats) const {
-  stats.rejected += router_->refused();
+  router_->count(stats);
   stats.lost = gaps_.lost();
   return stats;
 }
@@ -186,12 +185,14 @@ void CollisionNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
   health.name = private_handle_.getNamespace();  // of the nodelet, not of its manager
   health.scene = scene_->file;
   health.epoch = epoch_;
+  health.messages = messages_;
   health.events = events_;
   health.stats = withMessages(engine_->stats());
   health.faults = router_->faults();
   health.lost = gaps_.lostByTopic();
   for (const auto& frame : router_->tf().unresolved())
     health.unconnected.push_back("'" + frame + "' to world_frame '" + scene_->world_frame + "'");
+  health.missing_joints = router_->missingJoints();
   for (const auto& subscriber : subscribers_)
     if (subscriber.getTopic() != "/tf_static" && subscriber.getNumPublishers() == 0)
       health.without_publisher.push_back(subscriber.getTopic());
@@ -210,7 +211,7 @@ bool CollisionNode::onFlush(Trigger::Request&, Trigger::Response& response) {
 }
 
 bool CollisionNode::onReset(Trigger::Request&, Trigger::Response& response) {
-  router_->flush();
+  router_->reset();
   engine_->reset();
   if (markers_out_.getNumSubscribers() > 0) onMarkerSubscriber();
   response.success = 1;

@@ -71,7 +71,8 @@ class CollisionNode {
   std::vector<std::uint8_t> bytes_;
   ros::Time last_clock_;
   std::chrono::steady_clock::time_point last_heartbeat_;
-  std::uint64_t events_ = 0;
+  std::uint32_t queue_size_ = 0;
+  std::uint64_t messages_ = 0, events_ = 0;
   std::uint32_t epoch_ = 0,
                 first_epoch_ = 0;  // first_epoch_: a reloaded scene counts on, its engine starts at 0
   std::unique_ptr<ros::AsyncSpinner> spinner_;  // last: stops before anything it uses is gone

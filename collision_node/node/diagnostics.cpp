@@ -30,6 +30,7 @@ void judge(const Health& health, Status& status) {
   if (stats.accepted == 0 && !stats.has_watermark)
     raise(Status::WARN, "no pose has arrived yet" + (silent.empty() ? "" : ": " + silent));
   if (!health.unconnected.empty()) raise(Status::WARN, "tf does not connect " + health.unconnected.front());
+  if (!health.missing_joints.empty()) raise(Status::WARN, "no position of " + health.missing_joints.front());
   if (!stats.uncovered_objects.empty()) raise(Status::WARN, "no poses of " + stats.uncovered_objects.front());
   if (!silent.empty()) raise(Status::WARN, silent);
   if (stats.rejected > 0) raise(Status::WARN, "poses rejected: not finite, or no unit quaternion");
@@ -56,6 +57,7 @@ Status diagnose(const Health& health) {
   add("watermark", stats.has_watermark ? messages::secondsText(stats.watermark_ns) : "none yet");
   if (stats.has_watermark) add("latency", std::to_string(stats.latency) + " s");
   add("epoch", std::to_string(health.epoch));
+  add("messages", std::to_string(health.messages));
   add("events", std::to_string(health.events));
   add("accepted", std::to_string(stats.accepted));
   add("reordered", std::to_string(stats.reordered));
@@ -65,6 +67,7 @@ Status diagnose(const Health& health) {
   add("lost", std::to_string(stats.lost));
   for (const auto& name : stats.uncovered_objects) add("uncovered", name);
   for (const auto& frames : health.unconnected) add("not connected", frames);
+  for (const auto& joint : health.missing_joints) add("no position of", joint);
   for (const auto& topic : health.without_publisher) add("without publisher", topic);
   for (const auto& [topic, count] : health.lost) add("lost on " + topic, std::to_string(count));
   for (const auto& [topic, faults] : health.faults) {

@@ -17,17 +17,19 @@ struct Health {
   std::string name;   ///< of the node or nodelet, as a graph name
   std::string scene;  ///< file
   std::uint32_t epoch = 0;
+  std::uint64_t messages = 0;  ///< that have come, of all topics
   std::uint64_t events = 0;
   scene::Stats stats;
   std::map<std::string, messages::TopicFaults> faults;  ///< by topic
   std::map<std::string, std::uint64_t> lost;            ///< messages that never came, by topic
   std::vector<std::string> without_publisher;           ///< subscribed topics that nobody publishes
-  std::vector<std::string> unconnected;  ///< "'frame' to world_frame 'world'": tf has not said how
+  std::vector<std::string> missing_joints;  ///< one line each: joints whose position has never come
+  std::vector<std::string> unconnected;     ///< "'frame' to world_frame 'world'": tf has not said how
 };
 
 /// ERROR: messages that cannot be used. WARN: no pose has arrived at all, a topic without publisher, a
-/// frame that tf does not connect, an object that is silent, poses rejected or late, messages lost. OK:
-/// watching. The message names the first of them in that order.
+/// frame that tf does not connect, a joint that never came, an object that is silent, poses rejected or late,
+/// messages lost. OK: watching. The message names the first of them in that order.
 diagnostic_msgs::DiagnosticStatus diagnose(const Health& health);
 
 }  // namespace collision_node::node

@@ -10,7 +10,7 @@ namespace collision_node::node {
 namespace {
 
 const std::vector<std::string> kKnown = {
-    "scene", "method", "override", "markers/min_size", "markers/lifetime", "markers/max_events"};
+    "scene", "method", "override", "queue", "markers/min_size", "markers/lifetime", "markers/max_events"};
 
 bool isPlainText(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
@@ -129,6 +129,13 @@ Parameters readParameters(const ros::NodeHandle& handle) {
   readPositive(handle, "markers/min_size", out.markers.min_size, false);
   readPositive(handle, "markers/lifetime", out.markers.lifetime, true);
   readPositive(handle, "markers/max_events", out.markers.max_events, false);
+  int queue = 0;
+  if (handle.getParam("queue", queue)) {
+    if (queue < 1) throw ParameterError("~queue: " + std::to_string(queue) + " must be >= 1");
+    out.queue = static_cast<std::uint32_t>(queue);
+  } else if (handle.hasParam("queue")) {
+    throw ParameterError("~queue: must be a whole number");
+  }
   out.warnings = unknownParameters(handle);
   return out;
 }

@@ -3,6 +3,7 @@
 
 #include <ros/node_handle.h>
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -22,7 +23,10 @@ struct Parameters {
   std::string scene;                                           ///< ~scene: the scene file; required
   scene::Overrides overrides;                                  ///< ~override/*: same key path as in the file
   impact::MethodName method = impact::MethodName::kCertified;  ///< ~method
-  messages::MarkerOptions markers;    ///< ~markers/{min_size [m], lifetime [s], max_events}
+  messages::MarkerOptions markers;  ///< ~markers/{min_size [m], lifetime [s], max_events}
+  /// ~queue: messages that may wait for the engine, by topic: minutes of a fast stream. What does not fit is
+  /// lost, and counted by its number.
+  std::uint32_t queue = 200000;
   std::vector<std::string> warnings;  ///< parameters that nobody reads
 };
 

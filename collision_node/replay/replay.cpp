@@ -253,7 +253,7 @@ class Run {
     std::string out;
     for (std::size_t i = 0; i < scene_->objects.size(); ++i)
       if (session_->heard()[i] == 0 && scene_->objects[i].source.type != scene::PoseSource::Type::kFixed)
-        out += " " + scene_->objects[i].name;
+        out += " " + scene_->objects[i].label();
     return out;
   }
 
@@ -266,11 +266,13 @@ class Run {
       if (session_->heard()[i] == 0 && found != faults.end() && found->second.refused > 0)
         throw InputError(found->second.first_refusal + "; " + std::to_string(found->second.refused) +
                          " messages there cannot be used, and no other tells where '" +
-                         scene_->objects[i].name + "' is");
+                         scene_->objects[i].label() + "' is");
     }
   }
 
   void printFaults() const {
+    for (const auto& line : session_->router().missingJoints())
+      err_ << "warning: no position of " << line << '\n';
     for (const auto& [topic, faults] : session_->router().faults()) {
       if (faults.refused > 0)
         err_ << "warning: " << faults.refused << (faults.refused == 1 ? " message" : " messages") << " on "

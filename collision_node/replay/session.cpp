@@ -44,7 +44,7 @@ void Session::flush() {
 }
 
 scene::Stats Session::withMessages(scene::Stats stats) const {
-  stats.rejected += router_.refused();
+  router_.count(stats);
   stats.lost = gaps_.lost();
   return stats;
 }
@@ -53,15 +53,18 @@ scene::Cut Session::cut() const {
   scene::Cut cut = engine_->cut();
   scene::Fingerprint state;
   state.add(cut.state);
-  router_.tf().describe(state);
+  router_.describe(state);
   cut.state = state.value();
   return cut;
 }
 
 bool Session::knowsAllAt(const scene::Cut& cut) const {
   if (!cut.is_settled || !router_.tf().unresolved().empty()) return false;
-  for (std::size_t i = 0; i < heard_.size(); ++i)
-    if (heard_[i] == 0 && scene_->objects[i].source.type == scene::PoseSource::Type::kTf) return false;
+  for (std::size_t i = 0; i < heard_.size(); ++i) {
+    const scene::PoseSource::Type type = scene_->objects[i].source.type;
+    const bool hangs = type == scene::PoseSource::Type::kTf || type == scene::PoseSource::Type::kJoints;
+    if (heard_[i] == 0 && hangs) return false;
+  }
   // Two rounds of a loop are a memory as good as a long one.
   return cut.epoch >= 2 || cut.span_ns >= memoryOf(scene_->time);
 }

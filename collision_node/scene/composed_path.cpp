@@ -7,6 +7,8 @@ namespace collision_node::scene {
 
 namespace {
 
+constexpr double kHalfTurn = 3.141592653589793;
+
 std::vector<Track> makeEdges(int count, const TimeOptions& time) {
   TrackOptions options;
   options.reorder_ns = toNanoseconds(time.reorder);
@@ -176,7 +178,8 @@ void ComposedPath::emit(Nanoseconds stamp_ns, const motion::Deviation& deviation
   out.model_angle = deviation.angle;
   // The edges began anew, yet behind what was handed out: the way from there is no path.
   out.begins_anew = is_anew_ && stamp_ns > newest_ns_;
-  out.may_alias = doubt == impact::Reason::kAlias;
+  // Where the composition may have turned by half a turn, the short way round need not be its own.
+  out.may_alias = doubt == impact::Reason::kAlias || deviation.angle >= kHalfTurn;
   is_anew_ = false;
   newest_ns_ = stamp_ns;
   sink_(out, doubt == impact::Reason::kStampGuessed);

@@ -36,12 +36,16 @@ class ComposedPath {
   /// `parts` name the edges 0 .. edge_count - 1, at least one, each once.
   ComposedPath(std::vector<Part> parts, int edge_count, const TimeOptions& time, Sink sink);
 
-  /// A pose of one edge, in any order. A bad one is counted by nobody here: hand it to whoever counts.
+  /// A pose of one edge, in any order. A bad one belongs to whoever counts those.
   void add(int edge, const motion::StampedPose& pose, bool guessed);
   /// /clock went back: what has arrived is handed out, every edge's next pose begins anew.
   void clockWentBack();
   /// The end: hands out all that every edge has delivered. More poses may follow.
   void flush();
+  /// What became of an edge's poses.
+  const InputCounts& counts(int edge) const {
+    return time_line_.tracks()[static_cast<std::size_t>(edge)].counts();
+  }
   /// All that the poses it hands out later depend on (cut.cpp).
   void describe(Fingerprint& to) const;
 

@@ -60,6 +60,7 @@ void Track::describe(std::optional<Nanoseconds> watermark, Fingerprint& to) cons
     to.add(arrival.pose);
     to.add(arrival.guessed);
   };
+  to.add(comes_ahead_);
   to.add(epoch_ - scene_epoch_);
   to.add(isEmpty());
   if (!isEmpty()) to.add(newest_);
@@ -100,8 +101,9 @@ void TimeLine::describe(Fingerprint& to) const {
   to.add(latest_epoch_ - epoch_);
   to.add(watermark_);
   to.add(newest_);
+  to.add(now());
   for (const Track& track : tracks_) {
-    if (track.status() == Track::Status::kWaiting) to.add(first_);  // it is waited for from there on
+    if (track.status() == Track::Status::kWaiting) to.add(begin());  // it is waited for from there on
     track.describe(watermark_, to);
   }
 }

@@ -202,7 +202,7 @@ void Engine::Impl::publishBefore(const Instant& limit) {
 }
 
 std::optional<Nanoseconds> Engine::Impl::beatDue() const {
-  const auto newest = time_line_.newestReleased();
+  const auto newest = time_line_.now();
   if (!newest) return std::nullopt;
   const Nanoseconds first = *time_line_.firstReleased();
   const Nanoseconds period = std::max<Nanoseconds>(1, toNanoseconds(scene_->stats_period));

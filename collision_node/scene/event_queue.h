@@ -20,7 +20,7 @@ struct ContactNumber {
   std::uint64_t value = 0;
 };
 
-/// A pair's place in byte order of (object a, link a, object b, link b).
+/// A pair's place in byte order of (object a, link a, object b, link b), a being the smaller of the two.
 using PairRank = std::uint64_t;
 
 /// What one pair has to say, until it is its turn to speak: pairs may be solved at the same time.

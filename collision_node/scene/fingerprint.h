@@ -49,6 +49,8 @@ class Fingerprint {
     add(pose.has_twist);
     add(pose.linear);
     add(pose.angular);
+    add(pose.turned);
+    add(pose.comes_ahead);
     add(pose.model_position);
     add(pose.model_angle);
     add(pose.begins_anew);

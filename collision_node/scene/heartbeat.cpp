@@ -106,7 +106,7 @@ void countInputs(const Scene& scene, const TimeLine& time_line, const Coverage& 
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const Track& track = time_line.tracks()[i];
     if (coverage.hadHole(static_cast<int>(i)) || isMissed(track))
-      stats.uncovered_objects.push_back(scene.objects[i].name);
+      stats.uncovered_objects.push_back(scene.objects[i].label());
     const InputCounts& counts = track.counts();
     stats.accepted += counts.accepted;
     stats.reordered += counts.reordered;
@@ -117,7 +117,7 @@ void countInputs(const Scene& scene, const TimeLine& time_line, const Coverage& 
     const std::optional<Hole>& hole = track.firstHole();
     if (hole && (!stats.first_hole || *hole < *stats.first_hole)) {
       stats.first_hole = hole;
-      stats.first_hole_object = scene.objects[i].name;
+      stats.first_hole_object = scene.objects[i].label();
     }
   }
 }

@@ -49,7 +49,8 @@ void ObjectPair::makeWatches(const PairWorld& world) {
   impact::PairOptions options = world.options;
   for (const LinkPair& pair : world.scene.pairs.between(objects, a_, b_)) {
     options.contact_distance = pair.contact_distance;
-    const PairRank rank = (world.link_ranks[a_][pair.link_a] << 32) | world.link_ranks[b_][pair.link_b];
+    const auto ranks = std::minmax(world.link_ranks[a_][pair.link_a], world.link_ranks[b_][pair.link_b]);
+    const PairRank rank = (ranks.first << 32) | ranks.second;
     watches_.emplace_back(world.scene, pair, rank,
                           world.make_method(*objects[a_].links[pair.link_a].body,
                                             *objects[b_].links[pair.link_b].body, options));

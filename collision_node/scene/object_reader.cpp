@@ -5,6 +5,7 @@
 
 #include "collision_node/scene/map_reader.h"
 #include "collision_node/scene/resources.h"
+#include "collision_node/scene/source_reader.h"
 
 namespace collision_node::scene {
 namespace {
@@ -22,11 +23,6 @@ std::string joinWords(const std::vector<std::string>& words) {
   return text;
 }
 
-/// tf2 knows no leading slash; ROS users still write it.
-std::string withoutLeadingSlash(const std::string& frame) {
-  return frame[0] == '/' ? frame.substr(1) : frame;
-}
-
 void addLines(MapReader& reader, const std::string& key, const std::string& lines) {
   std::istringstream stream(lines);
   for (std::string line; std::getline(stream, line);) reader.fault(key, line);
@@ -38,15 +34,18 @@ class ObjectReader {
                std::vector<std::string>& warnings)
       : reader_(&node, path, faults), context_(context), warnings_(warnings) {}
 
-  Object read(const std::string& name) {
+  std::vector<Object> read(const std::string& name) {
     object_.name = name;
-    if (!reader_.good()) return std::move(object_);
+    if (!reader_.good()) return {std::move(object_)};
     readLinks();
-    readSource();
     readMotion();
     readZones();
+    std::vector<Object> parts = readSource(reader_, std::move(object_));
+    warnOfBounds(parts.back());  // of several, it hangs on the others
+    for (Object& part : parts)
+      for (Link& link : part.links) buildBody(link);
     reader_.done();
-    return std::move(object_);
+    return parts;
   }
 
  private:
@@ -75,17 +74,15 @@ class ObjectReader {
       Link link;
       link.name = object_.name;
       link.shapes = {*shape};
-      addLink(std::move(link));
+      object_.links.push_back(std::move(link));
     }
   }
 
-  void addLink(Link link) {
-    if (!link.shapes.empty()) {
-      std::vector<PlacedShape> in_object = link.shapes;
-      for (PlacedShape& shape : in_object) shape.origin = link.T_o_l * shape.origin;
-      link.body = std::make_shared<geometry::Body>(std::move(in_object));
-    }
-    object_.links.push_back(std::move(link));
+  static void buildBody(Link& link) {
+    if (link.shapes.empty()) return;
+    std::vector<PlacedShape> in_object = link.shapes;
+    for (PlacedShape& shape : in_object) shape.origin = link.T_o_l * shape.origin;
+    link.body = std::make_shared<geometry::Body>(std::move(in_object));
   }
 
   std::optional<PlacedShape> readShape(const std::string& key) {
@@ -227,71 +224,20 @@ class ObjectReader {
       Link link;
       link.name = urdf_link.name;
       link.parent = urdf_link.parent;
+      link.joint = std::move(urdf_link.joint);
+      link.T_parent_l = urdf_link.T_parent_l;
       link.T_o_l = urdf_link.T_root_l;
       link.shapes = std::move(urdf_link.shapes);
-      addLink(std::move(link));
+      object_.links.push_back(std::move(link));
     }
     const bool has_shape = std::any_of(object_.links.begin(), object_.links.end(),
-                                       [](const Link& link) { return link.body != nullptr; });
+                                       [](const Link& link) { return !link.shapes.empty(); });
     if (!has_shape) reader.fault(key, source + ": no link has a collision element; at least one must");
     object_.movable_joints = std::move(model.movable_joints);
     for (const std::string& warning : model.warnings) warnings_.push_back(object_.name + ": " + warning);
   }
 
-  // ---- poses and motion
-
-  void readSource() {
-    if (!reader_.has("pose")) {
-      reader_.fault("", "no pose; write pose: {topic: …}, {tf: …} or {fixed: {position: …, orientation: …}}");
-      return;
-    }
-    MapReader pose = reader_.map("pose");
-    if (!pose.good()) return;
-    PoseSource& source = object_.source;
-    const int kinds = pose.has("topic") + pose.has("tf") + pose.has("fixed");
-    if (kinds != 1) pose.fault("", "give exactly one of: topic, tf, fixed; found " + std::to_string(kinds));
-    if (const auto topic = pose.text("topic")) {
-      source.type = PoseSource::Type::kTopic;
-      source.topic = *topic;
-    }
-    if (const auto frame = pose.text("tf")) {
-      source.type = PoseSource::Type::kTf;
-      source.tf_frame = withoutLeadingSlash(*frame);
-      if (source.tf_frame.empty()) pose.fault("tf", "'/' is no frame; write the frame's name");
-    }
-    if (pose.has("fixed")) {
-      MapReader fixed = pose.map("fixed");
-      if (const auto value = fixed.pose()) source.fixed = *value;
-      fixed.done();
-    }
-    readSelection(pose);
-    pose.done();
-  }
-
-  /// The keys that pick one object out of a message with many.
-  void readSelection(MapReader& pose) {
-    PoseSource& source = object_.source;
-    if (const auto index = pose.whole("index", 0, 1000000)) source.index = static_cast<int>(*index);
-    if (const auto model = pose.text("model")) source.model = *model;
-    if (const auto link = pose.text("link")) source.link = *link;
-    for (const char* key : {"index", "model", "link"}) {
-      if (pose.has(key) && !pose.has("topic")) pose.fault(key, "only meant beside topic; remove it");
-    }
-    if (pose.has("index") + pose.has("model") + pose.has("link") > 1) {
-      pose.fault(
-          "",
-          "give at most one of: index (PoseArray), model (ModelStates), link (LinkStates, as model::link)");
-    }
-    if (pose.flag("links").value_or(false)) {
-      if (pose.has("tf")) {
-        pose.fault("links",
-                   "links: true (each URDF link follows its own tf frame) is not available yet; leave it "
-                   "out to move all links with the root");
-      } else {
-        pose.fault("links", "links: true is only meant beside tf; remove it or write tf: <root frame>");
-      }
-    }
-  }
+  // ---- motion
 
   void readMotion() {
     static constexpr MotionModel kModels[] = {MotionModel::kSlerp, MotionModel::kHermite, MotionModel::kSpin};
@@ -306,17 +252,21 @@ class ObjectReader {
     if (const auto value = reader_.real("angular_acceleration", notNegative("rad/s^2"))) {
       object_.angular_acceleration = *value;
     }
-    if (object_.source.type == PoseSource::Type::kTf &&
-        (reader_.has("acceleration") || reader_.has("angular_acceleration")))
-      warnings_.push_back(
-          object_.name +
-          ": a pose from tf may be composed of several, at whose stamps the body need not have "
-          "been there; accelerations are not used, the model_ fields of events stay NaN");
     const bool asks_turning = reader_.has("angular_acceleration");
     if (asks_turning && !reader_.has("max_spin"))
       warnings_.push_back(object_.name +
                           ": angular_acceleration says nothing without max_spin: the model_ fields of events "
                           "stay NaN, and events are UNCERTIFIED, reason ALIAS");
+  }
+
+  void warnOfBounds(const Object& part) {
+    const PoseSource::Type type = part.source.type;
+    if ((type == PoseSource::Type::kTf || type == PoseSource::Type::kJoints) &&
+        (reader_.has("acceleration") || reader_.has("angular_acceleration")))
+      warnings_.push_back(
+          part.name +
+          ": a pose from tf or joints may be composed of several, at whose stamps the body need not have "
+          "been there; accelerations are not used, the model_ fields of events stay NaN");
   }
 
   // ---- zones
@@ -365,8 +315,8 @@ class ObjectReader {
 
 }  // namespace
 
-Object readObject(const std::string& name, const YamlNode& node, const ObjectContext& context, Faults& faults,
-                  std::vector<std::string>& warnings) {
+std::vector<Object> readObject(const std::string& name, const YamlNode& node, const ObjectContext& context,
+                               Faults& faults, std::vector<std::string>& warnings) {
   return ObjectReader(node, "objects/" + name, context, faults, warnings).read(name);
 }
 

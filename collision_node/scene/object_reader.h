@@ -1,8 +1,8 @@
 /// One entry of `objects:` in a scene file, checked and with its geometry loaded.
 #pragma once
 
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "collision_node/scene/yaml_tree.h"
 
@@ -14,9 +14,9 @@ struct ObjectContext {
   const Resources& resources;  ///< packages and parameters
 };
 
-/// Reads `node` as the object `name`. Adds every fault to `faults` and every warning to `warnings`; the
-/// object is whole only when no fault was added.
-Object readObject(const std::string& name, const YamlNode& node, const ObjectContext& context, Faults& faults,
-                  std::vector<std::string>& warnings);
+/// Reads `node` as the object `name`: one Object, or one for each part that moves by itself. Adds every fault
+/// to `faults` and every warning to `warnings`; the object is whole only when no fault was added.
+std::vector<Object> readObject(const std::string& name, const YamlNode& node, const ObjectContext& context,
+                               Faults& faults, std::vector<std::string>& warnings);
 
 }  // namespace collision_node::scene

@@ -12,8 +12,8 @@ namespace {
 
 /// "tank" or "tank/turret", resolved.
 struct Name {
-  int object = -1;
-  int link = -1;  ///< -1: any
+  std::string object;
+  std::string link;  ///< "": any
 };
 
 struct NamePair {
@@ -25,10 +25,11 @@ struct NamePair {
 /// One link that has a body.
 struct Candidate {
   int object, link;
+  std::string object_name, link_name;  ///< parts of one object share its name
 };
 
 bool fits(const Name& name, const Candidate& candidate) {
-  return name.object == candidate.object && (name.link < 0 || name.link == candidate.link);
+  return name.object == candidate.object_name && (name.link.empty() || name.link == candidate.link_name);
 }
 
 bool fits(const NamePair& pair, const Candidate& a, const Candidate& b) {
@@ -63,31 +64,28 @@ class PairReader {
     }
     const std::size_t slash = node.text.find('/');
     const std::string object_name = node.text.substr(0, slash);
-    Name name;
-    std::vector<std::string> known;
-    for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
-      known.push_back(scene_.objects[i].name);
-      if (scene_.objects[i].name == object_name) name.object = static_cast<int>(i);
+    std::vector<std::string> objects, links;
+    for (const Object& object : scene_.objects) {
+      objects.push_back(object.name);
+      if (object.name != object_name) continue;
+      for (const Link& link : object.links) links.push_back(link.name);
     }
-    if (name.object < 0) {
-      reader_.fault(key, "unknown object '" + object_name + "'" + nearestHint(object_name, known));
+    const auto has = [](const std::vector<std::string>& known, const std::string& word) {
+      return std::find(known.begin(), known.end(), word) != known.end();
+    };
+    if (!has(objects, object_name)) {
+      reader_.fault(key, "unknown object '" + object_name + "'" + nearestHint(object_name, objects));
       return {};
     }
-    if (slash == std::string::npos) return name;
+    if (slash == std::string::npos) return Name{object_name, ""};
     const std::string link_name = node.text.substr(slash + 1);
-    const std::vector<Link>& links = scene_.objects[name.object].links;
-    known.clear();
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      known.push_back(links[i].name);
-      if (links[i].name == link_name) name.link = static_cast<int>(i);
-    }
+    if (has(links, link_name)) return Name{object_name, link_name};
     // An object without links failed to load and has its own fault.
-    if (name.link < 0 && !links.empty()) {
+    if (!links.empty()) {
       reader_.fault(
-          key, "unknown link '" + link_name + "' of '" + object_name + "'" + nearestHint(link_name, known));
+          key, "unknown link '" + link_name + "' of '" + object_name + "'" + nearestHint(link_name, links));
     }
-    if (name.link < 0) return {};
-    return name;
+    return {};
   }
 
   std::optional<NamePair> resolvePair(const YamlNode& node, const std::string& key) {
@@ -150,13 +148,13 @@ class PairReader {
 
   bool listedByLinks(const Candidate& a, const Candidate& b) const {
     return std::any_of(only_.begin(), only_.end(), [&](const NamePair& pair) {
-      return pair.a.link >= 0 && pair.b.link >= 0 && fits(pair, a, b);
+      return !pair.a.link.empty() && !pair.b.link.empty() && fits(pair, a, b);
     });
   }
 
   /// Why the two are not watched; "" when they are.
   std::string reasonAgainst(const Candidate& a, const Candidate& b) const {
-    const bool same_object = a.object == b.object;
+    const bool same_object = a.object_name == b.object_name;
     if (same_object && (linkOf(a).parent == linkOf(b).name || linkOf(b).parent == linkOf(a).name)) {
       return "neighbours in the URDF";
     }
@@ -166,16 +164,36 @@ class PairReader {
     return "";
   }
 
+  /// Indices of the objects with this name.
+  std::vector<int> partsOf(const std::string& name) const {
+    const std::vector<Object>& objects = scene_.objects;
+    auto at =
+        std::lower_bound(objects.begin(), objects.end(), name,
+                         [](const Object& object, const std::string& word) { return object.name < word; });
+    std::vector<int> parts;
+    for (; at != objects.end() && at->name == name; ++at)
+      parts.push_back(static_cast<int>(at - objects.begin()));
+    return parts;
+  }
+
   /// Two objects that no entry names follow the rule; the others get their verdicts one by one.
   void pairUp() {
     scene_.pairs = PairRules(default_distance_);
     if (has_only_) scene_.pairs.watchNothingElse("not listed in pairs/only");
     std::set<std::pair<int, int>> named;
+    const auto name = [&](const std::string& a, const std::string& b) {
+      for (const int i : partsOf(a))
+        for (const int k : partsOf(b)) named.insert(std::minmax(i, k));
+    };
     for (const std::vector<NamePair>* entries : {&ignore_, &only_, &distances_})
-      for (const NamePair& entry : *entries) named.insert(std::minmax(entry.a.object, entry.b.object));
-    for (std::size_t i = 0; i < scene_.objects.size(); ++i)
-      if (scene_.objects[i].links.size() > 1) named.emplace(static_cast<int>(i), static_cast<int>(i));
+      for (const NamePair& entry : *entries) name(entry.a.object, entry.b.object);
+    for (const Object& object : scene_.objects)
+      if (object.links.size() > 1 || !object.part.empty()) name(object.name, object.name);
     for (const auto& [a, b] : named) decide(a, b);
+  }
+
+  Candidate candidate(int object, int link) const {
+    return {object, link, scene_.objects[object].name, scene_.objects[object].links[link].name};
   }
 
   void decide(int object_a, int object_b) {
@@ -184,7 +202,7 @@ class PairReader {
     const std::vector<int> links_b = linksWithBody(scene_.objects[object_b]);
     for (std::size_t i = 0; i < links_a.size(); ++i) {
       for (std::size_t k = object_a == object_b ? i + 1 : 0; k < links_b.size(); ++k) {
-        const Candidate a{object_a, links_a[i]}, b{object_b, links_b[k]};
+        const Candidate a = candidate(object_a, links_a[i]), b = candidate(object_b, links_b[k]);
         LinkPair pair{a.object, a.link, b.object, b.link, default_distance_};
         for (const NamePair& entry : distances_) {
           if (fits(entry, a, b)) pair.contact_distance = entry.contact_distance;

@@ -13,7 +13,8 @@ namespace collision_node::scene {
 
 struct Object;
 
-/// A pair of links that is watched. Side a is the smaller (object, link) in byte order.
+/// A pair of links that is watched. Side a is of the object with the smaller index, and within one object the
+/// smaller in byte order.
 struct LinkPair {
   int object_a = -1, link_a = -1;  ///< indices into Scene::objects and Object::links
   int object_b = -1, link_b = -1;
@@ -26,8 +27,8 @@ struct PairVerdict {
   std::string against;
 };
 
-/// One rule for all pairs of links of two different objects, and the pairs of objects that differ from it.
-/// Objects are in byte order of their names; only links with a body make pairs.
+/// One rule for all pairs of links of two objects with different indices, and the pairs of objects that
+/// differ from it. Objects are in byte order of their names; only links with a body make pairs.
 class PairRules {
  public:
   /// Every link with a body against those of every other object, at `contact_distance`.

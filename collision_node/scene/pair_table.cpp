@@ -24,9 +24,18 @@ impact::PairOptions optionsOf(const Scene& scene) {
 std::vector<std::vector<PairRank>> rankLinks(const std::vector<Object>& objects) {
   std::vector<std::vector<PairRank>> ranks;
   PairRank next = 0;
-  for (const Object& object : objects) {
-    ranks.emplace_back(object.links.size(), 0);
-    for (const int link : linksWithBody(object)) ranks.back()[link] = next++;
+  for (std::size_t first = 0; first < objects.size();) {
+    // Parts of one object rank together.
+    std::vector<std::pair<std::string, PairRank*>> links;
+    std::size_t end = first;
+    for (; end < objects.size() && objects[end].name == objects[first].name; ++end) {
+      ranks.emplace_back(objects[end].links.size(), 0);
+      for (const int link : linksWithBody(objects[end]))
+        links.emplace_back(objects[end].links[link].name, &ranks.back()[link]);
+    }
+    std::sort(links.begin(), links.end());
+    for (const auto& link : links) *link.second = next++;
+    first = end;
   }
   return ranks;
 }

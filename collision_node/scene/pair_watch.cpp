@@ -219,6 +219,12 @@ Event PairWatch::makeEvent(const impact::PairEvent& from, const Context& context
                      from.position_error + width * context.speed_a);
   event.b = makeSide(b, b.links[pair_.link_b], from.b, from.position,
                      from.position_error + width * context.speed_b);
+  // Parts of one object are in URDF order, their links need not be in that of their names.
+  if (a.name == b.name && event.b.link < event.a.link) {
+    std::swap(event.a, event.b);
+    event.normal = -event.normal;
+    event.relative_velocity = -event.relative_velocity;
+  }
   return event;
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "collision_node/scene/broad_phase.h"
 #include "collision_node/scene/map_reader.h"
@@ -109,6 +110,14 @@ std::string sourceLine(const PoseSource& source) {
       return "fixed " + formatPose(source.fixed);
     case PoseSource::Type::kTf:
       return "tf frame " + source.tf_frame;
+    case PoseSource::Type::kJoints: {
+      std::string text = "moved by joints";
+      for (const PartJoint& joint : source.joints) {
+        text += (&joint == &source.joints.front() ? " " : ", ") + joint.joint.name;
+        if (joint.joint.driver != joint.joint.name) text += " (mimics " + joint.joint.driver + ")";
+      }
+      return text + " of topic " + source.topic;
+    }
     case PoseSource::Type::kTopic:
       break;
   }
@@ -147,7 +156,9 @@ class Plan {
          << formatReal(scene_.time.max_gap) << " s, timeout " << formatReal(scene_.time.timeout)
          << " s, jump " << formatReal(scene_.time.jump) << " s; stats every "
          << formatReal(scene_.stats_period) << " s\n";
-    out_ << "\nobjects (" << scene_.objects.size() << "):\n";
+    std::set<std::string> names;
+    for (const Object& object : scene_.objects) names.insert(object.name);
+    out_ << "\nobjects (" << names.size() << "):\n";
     for (const Object& object : scene_.objects) writeObject(object);
     writePairs();
     writeFarPairs();
@@ -160,7 +171,7 @@ class Plan {
 
  private:
   void writeObject(const Object& object) {
-    out_ << "  " << object.name << ": " << sourceLine(object.source);
+    out_ << "  " << object.label() << ": " << sourceLine(object.source);
     if (!isFixed(object)) {
       out_ << "; motion " << motionName(object.motion) << "; on timeout "
            << (object.on_timeout == OnTimeout::kDrop ? "drop" : "freeze");
@@ -276,22 +287,22 @@ class Plan {
     const std::uint64_t count = all - scene_.pairs.count(scene_.objects);
     out_ << "\npairs left out (" << count << "):\n";
     std::uint64_t told = 0;
-    for (const auto& [objects, verdicts] : scene_.pairs.exceptions()) {
-      std::map<std::string, std::vector<const LinkPair*>> by_reason;
+    std::map<std::tuple<std::string, std::string, std::string>, std::vector<const LinkPair*>> groups;
+    for (const auto& [objects, verdicts] : scene_.pairs.exceptions())
       for (const PairVerdict& verdict : verdicts)
-        if (!verdict.against.empty()) by_reason[verdict.against].push_back(&verdict.pair);
-      for (const auto& [reason, pairs] : by_reason) {
-        told += pairs.size();
-        const LinkPair& first = *pairs.front();
-        if (pairs.size() == 1) {
-          out_ << "  " << nameOf(first.object_a, first.link_a) << " x "
-               << nameOf(first.object_b, first.link_b);
-        } else {
-          out_ << "  " << scene_.objects[first.object_a].name << " x " << scene_.objects[first.object_b].name
-               << ", " << pairs.size() << " pairs of links";
-        }
-        out_ << ": " << reason << "\n";
+        if (!verdict.against.empty())
+          groups[{scene_.objects[objects.first].name, scene_.objects[objects.second].name, verdict.against}]
+              .push_back(&verdict.pair);
+    for (const auto& [key, pairs] : groups) {
+      const auto& [a, b, reason] = key;
+      told += pairs.size();
+      const LinkPair& first = *pairs.front();
+      if (pairs.size() == 1) {
+        out_ << "  " << nameOf(first.object_a, first.link_a) << " x " << nameOf(first.object_b, first.link_b);
+      } else {
+        out_ << "  " << a << " x " << b << ", " << pairs.size() << " pairs of links";
       }
+      out_ << ": " << reason << "\n";
     }
     if (told < count)
       out_ << "  " << (told > 0 ? "all others" : "all") << ": " << scene_.pairs.reasonAgainstRest() << "\n";
@@ -302,7 +313,7 @@ class Plan {
     const bool has_pairs = scene_.pairs.count(scene_.objects) > 0;
     for (const Object& object : scene_.objects) {
       zone = zone || !object.zones.empty();
-      topic = topic || object.source.type == PoseSource::Type::kTopic;
+      topic = topic || !object.source.topic.empty();
       tf = tf || object.source.type == PoseSource::Type::kTf;
       for (const Link& link : object.links) {
         for (const geo::PlacedShape& shape : link.shapes) mesh = mesh || meshOf(shape.shape) != nullptr;

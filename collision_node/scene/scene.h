@@ -26,15 +26,22 @@ using motion::Nanoseconds;
 enum class MotionModel { kSlerp, kHermite, kSpin };
 enum class OnTimeout { kDrop, kFreeze };
 
-/// Where an object's poses come from. Exactly one of topic, tf frame and fixed is meant.
+/// A joint between two parts of an object, each part the links that fixed joints hold together.
+struct PartJoint {
+  geometry::UrdfJoint joint;
+  Pose T_part_joint;  ///< part before it <- part behind it, with the joint at 0
+};
+
+/// Where an object's poses come from: a topic, a tf frame, joint positions, or nowhere, since it is fixed.
 struct PoseSource {
-  enum class Type { kFixed, kTopic, kTf } type = Type::kFixed;
-  Pose fixed;            ///< kFixed
-  std::string topic;     ///< kTopic, as the user wrote it (relative or global)
-  int index = -1;        ///< kTopic: PoseArray element
-  std::string model;     ///< kTopic: gazebo ModelStates name
-  std::string link;      ///< kTopic: gazebo LinkStates name
-  std::string tf_frame;  ///< kTf: no leading slash
+  enum class Type { kFixed, kTopic, kTf, kJoints } type = Type::kFixed;
+  Pose fixed;                     ///< kFixed
+  std::string topic;              ///< kTopic, kJoints, as the user wrote it (relative or global)
+  int index = -1;                 ///< kTopic: PoseArray element
+  std::string model;              ///< kTopic: gazebo ModelStates name
+  std::string link;               ///< kTopic: gazebo LinkStates name
+  std::string tf_frame;           ///< kTf: no leading slash
+  std::vector<PartJoint> joints;  ///< kJoints: from the object's first part to this one, at least one
 };
 
 /// Part of an object that gets a name in events. Without a box it is the whole link.
@@ -50,12 +57,17 @@ struct Link {
   std::string name;                            ///< URDF link name, or the object's name for a single shape
   Pose T_o_l;                                  ///< object <- link
   std::string parent;                          ///< URDF parent link
+  geometry::UrdfJoint joint;                   ///< to the parent
+  Pose T_parent_l;                             ///< parent <- link with that joint at 0
   std::vector<geometry::PlacedShape> shapes;   ///< in the link's frame, URDF order
   std::shared_ptr<const geometry::Body> body;  ///< in the object's frame; null when the link has no shape
 };
 
+/// What moves as one. An object whose links move by themselves is several of these, with one name; the first
+/// of them holds the URDF's root link.
 struct Object {
   std::string name;
+  std::string part;  ///< the link whose frame moves it, when it is one of several; else empty
   PoseSource source;
   MotionModel motion = MotionModel::kSlerp;
   OnTimeout on_timeout = OnTimeout::kDrop;
@@ -63,10 +75,12 @@ struct Object {
   double max_spin = std::numeric_limits<double>::infinity();               ///< [rad/s]
   double acceleration = std::numeric_limits<double>::quiet_NaN();          ///< [m/s^2], NaN: not asked
   double angular_acceleration = std::numeric_limits<double>::quiet_NaN();  ///< [rad/s^2], NaN: not asked
-  bool links_move = false;  ///< each URDF link follows its own tf frame
   std::vector<Link> links;
   std::vector<Zone> zones;
   std::vector<std::string> movable_joints;  ///< held at 0
+
+  /// "robot", or "robot/arm" for a part of it.
+  std::string label() const { return part.empty() ? name : name + "/" + part; }
 };
 
 struct TimeOptions {
@@ -84,7 +98,7 @@ struct Scene {
   TimeOptions time;
   double stats_period = 1.0;            ///< [s] of data time
   std::uint64_t node_budget = 4000000;  ///< per piece and pair
-  std::vector<Object> objects;          ///< in byte order of their names
+  std::vector<Object> objects;          ///< in byte order of their names; parts of one in URDF order
   PairRules pairs;                      ///< which pairs of links are watched
   std::vector<std::string> warnings;    ///< one line each, for whoever may print
 };

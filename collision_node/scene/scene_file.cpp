@@ -48,10 +48,11 @@ void readObjects(MapReader& top, const ObjectContext& context, Scene& scene, Fau
       reader.fault(name, "an object's name must not hold '/': it separates object and link");
       continue;
     }
-    scene.objects.push_back(readObject(name, node, context, faults, scene.warnings));
+    for (Object& part : readObject(name, node, context, faults, scene.warnings))
+      scene.objects.push_back(std::move(part));
   }
-  std::sort(scene.objects.begin(), scene.objects.end(),
-            [](const Object& a, const Object& b) { return a.name < b.name; });
+  std::stable_sort(scene.objects.begin(), scene.objects.end(),
+                   [](const Object& a, const Object& b) { return a.name < b.name; });
 }
 
 }  // namespace

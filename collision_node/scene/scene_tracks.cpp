@@ -24,7 +24,8 @@ Track makeTrack(const Object& object, const TimeOptions& time) {
   options.motion = object.motion;
   options.on_timeout = object.on_timeout;
   options.max_speed = object.max_speed;
-  options.poses_are_composed = object.source.type == PoseSource::Type::kTf;
+  options.poses_are_composed =
+      object.source.type == PoseSource::Type::kTf || object.source.type == PoseSource::Type::kJoints;
   options.bounds = {object.acceleration, object.angular_acceleration, object.max_spin};
   options.reorder_ns = toNanoseconds(time.reorder);
   options.max_gap_ns = toNanoseconds(time.max_gap);

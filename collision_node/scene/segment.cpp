@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kHalfTurn = 3.141592653589793;
 constexpr double kQuarterTurn = 0.5 * kHalfTurn;
+constexpr double kRoundedTurn = 1e-9;  // what slerp may make of half a turn, relative: far more than rounding
 
 /// Slerp takes the short way round; a body that turns faster than that went the other way, or round several
 /// times.
@@ -16,6 +17,13 @@ bool turnsTooFarForSlerp(const motion::StampedPose& from, const motion::StampedP
   const double from_rate = from.has_twist ? from.angular.norm() : 0.0;
   const double to_rate = to.has_twist ? to.angular.norm() : 0.0;
   return std::max(from_rate, to_rate) * h > kHalfTurn;
+}
+
+/// A joint whose position changed by half a turn or more did not go the short way round. Only the rates of a
+/// joint that may count from 0 again after a whole turn can say that it did.
+bool jointTurnsTooFar(const motion::StampedPose& from, const motion::StampedPose& to) {
+  const double turn = std::abs(to.turned - from.turned);
+  return turn > kHalfTurn * (1.0 - kRoundedTurn) && !(from.has_twist && to.has_twist);
 }
 
 bool spinIsDoubtful(const motion::StampedPose& from, const motion::StampedPose& to, double h,
@@ -61,7 +69,8 @@ Segment makeSegment(MotionModel model, const motion::StampedPose& from, const mo
   } else {
     cubic = model == MotionModel::kHermite && has_twists;
     segment.motion = cubic ? motion::hermite(from, to) : motion::straightSlerp(from, to);
-    doubtful = turnsTooFarForSlerp(from, to, h) || (model != MotionModel::kSlerp && !has_twists);
+    doubtful = turnsTooFarForSlerp(from, to, h) || jointTurnsTooFar(from, to) ||
+               (model != MotionModel::kSlerp && !has_twists);
   }
   const bool needs_limit = !std::isnan(bounds.angular_acceleration);
   const bool limit_says_much = std::isfinite(bounds.max_spin) && !has_twists;

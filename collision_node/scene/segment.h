@@ -29,10 +29,10 @@ inline bool operator<(const Hole& l, const Hole& r) {
 }
 
 /// Requires from.stamp_ns < to.stamp_ns. The doubt is ALIAS when the twists contradict the model: more than
-/// half a turn between two poses (slerp, hermite), more than a quarter turn of disagreement (spin), no
-/// twist where the model needs one (hermite, spin: slerp is taken instead); and when nobody can tell which
-/// way round the body went: it may turn by half a turn (max_spin h >= pi), and there is no twist to say more
-/// or a bound of the model's error is asked.
+/// half a turn between two poses (slerp, hermite), or a joint's position does; more than a quarter turn of
+/// disagreement (spin), no twist where the model needs one (hermite, spin: slerp is taken instead); and when
+/// nobody can tell which way round the body went: it may turn by half a turn (max_spin h >= pi), and there is
+/// no twist to say more or a bound of the model's error is asked.
 Segment makeSegment(MotionModel model, const motion::StampedPose& from, const motion::StampedPose& to,
                     const motion::MotionBounds& bounds = {});
 

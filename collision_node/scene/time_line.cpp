@@ -28,6 +28,7 @@ Nanoseconds frontierOf(const Track& track) {
 TimeLine::TimeLine(std::vector<Track> tracks, Nanoseconds timeout_ns)
     : tracks_(std::move(tracks)),
       timeout_ns_(timeout_ns),
+      paces_(tracks_.size(), 0),
       frontiers_(tracks_.size(), kAnyTime),
       is_changed_(tracks_.size(), 0) {
   startOver();
@@ -87,19 +88,28 @@ void TimeLine::note(int index) {
   const Track& track = tracks_[index];
   if (std::exchange(is_changed_[index], 1) == 0) changed_.push_back(index);
   latest_epoch_ = std::max(latest_epoch_, track.epoch());
-  if (track.firstReleased() && (!first_ || *track.firstReleased() < *first_)) {
-    first_ = track.firstReleased();
-    next_check_ns_ = std::min(next_check_ns_, *first_ + timeout_ns_);  // who is waited for is given up sooner
+  const auto earlier = [](auto a, auto b) { return !b || (a && *a < *b) ? a : b; };
+  const auto later = [](auto a, auto b) { return !b || (a && *a > *b) ? a : b; };
+  const std::optional<Nanoseconds> began_before = begin();
+  const char paces = !track.isFixed() && !track.comesAhead() ? 1 : 0;
+  pacers_ += paces - std::exchange(paces_[index], paces);
+  first_ = earlier(track.firstReleased(), first_);
+  newest_ = later(track.lastReleased(), newest_);
+  if (paces != 0) {
+    began_ = earlier(track.firstReleased(), began_);
+    now_ = later(track.lastReleased(), now_);
   }
-  if (track.lastReleased() && (!newest_ || *track.lastReleased() > *newest_)) newest_ = track.lastReleased();
+  // Who is waited for is given up sooner.
+  if (begin() && begin() != began_before) next_check_ns_ = std::min(next_check_ns_, *begin() + timeout_ns_);
   if (track.status() == Track::Status::kLive)
     next_check_ns_ = std::min(next_check_ns_, track.newest() + timeout_ns_);
   frontiers_.set(static_cast<std::size_t>(index), frontierOf(track));
 }
 
 void TimeLine::checkTimeouts() {
-  if (!newest_ || *newest_ <= next_check_ns_) return;
-  const Nanoseconds now = *newest_;
+  const std::optional<Nanoseconds> time = now();
+  if (!time || *time <= next_check_ns_) return;
+  const Nanoseconds now = *time;
   const int count = static_cast<int>(tracks_.size());
   for (int i = 0; i < count; ++i) {
     if (tracks_[i].status() != Track::Status::kLive || now - tracks_[i].newest() <= timeout_ns_) continue;
@@ -108,7 +118,7 @@ void TimeLine::checkTimeouts() {
   }
   // Then only: what a silent track had not released yet may be the first of the epoch.
   for (int i = 0; i < count; ++i) {
-    if (tracks_[i].status() != Track::Status::kWaiting || now - *first_ <= timeout_ns_) continue;
+    if (tracks_[i].status() != Track::Status::kWaiting || now - *begin() <= timeout_ns_) continue;
     tracks_[i].giveUpWaiting();
     note(i);
   }
@@ -117,7 +127,7 @@ void TimeLine::checkTimeouts() {
     if (track.status() == Track::Status::kLive)
       next_check_ns_ = std::min(next_check_ns_, track.newest() + timeout_ns_);
     if (track.status() == Track::Status::kWaiting)
-      next_check_ns_ = std::min(next_check_ns_, *first_ + timeout_ns_);
+      next_check_ns_ = std::min(next_check_ns_, *begin() + timeout_ns_);
   }
 }
 
@@ -177,6 +187,8 @@ void TimeLine::startOver() {
   watermark_.reset();
   first_.reset();
   newest_.reset();
+  began_.reset();
+  now_.reset();
   next_check_ns_ = std::numeric_limits<Nanoseconds>::min();  // look at once
   for (std::size_t i = 0; i < tracks_.size(); ++i) note(static_cast<int>(i));
   checkTimeouts();

@@ -49,6 +49,9 @@ class TimeLine {
   std::optional<Nanoseconds> watermark() const { return watermark_; }
   std::optional<Nanoseconds> firstReleased() const { return first_; }
   std::optional<Nanoseconds> newestReleased() const { return newest_; }
+  /// How far time has come: the newest released stamp of tracks that are not sent ahead of it. Where all are,
+  /// of all.
+  std::optional<Nanoseconds> now() const { return pacers_ == 0 ? newest_ : now_; }
   /// Released or not. Requires a watermark.
   Nanoseconds newestDelivered() const;
   /// The newest stamp delivered in the scene's epoch, if there is one.
@@ -62,6 +65,7 @@ class TimeLine {
   void dropBefore(int track, std::size_t index) { tracks_[track].dropBefore(index); }
 
  private:
+  std::optional<Nanoseconds> begin() const { return pacers_ == 0 ? first_ : began_; }
   void note(int track);
   void checkTimeouts();
   void updateWatermark();
@@ -71,6 +75,9 @@ class TimeLine {
   Nanoseconds timeout_ns_;
   std::uint32_t epoch_ = 0, latest_epoch_ = 0;
   std::optional<Nanoseconds> watermark_, first_, newest_;
+  std::optional<Nanoseconds> began_, now_;  ///< first and newest, of the pacers
+  std::vector<char> paces_;                 ///< by track: it moves, and is not sent ahead of its time
+  int pacers_ = 0;
   Nanoseconds next_check_ns_;        ///< no track can have timed out before the newest stamp passes this
   Smallest<Nanoseconds> frontiers_;  ///< by track: how far it lets the watermark go
   std::vector<char> is_changed_;

@@ -37,6 +37,7 @@ void Track::add(motion::StampedPose pose, bool guessed, std::optional<Nanosecond
     ++counts_.rejected;
     return;
   }
+  comes_ahead_ = pose.comes_ahead;
   const Nanoseconds stamp = pose.stamp_ns;
   // What follows a pose that is very far back belongs to it, though an earlier round had the same stamps.
   const bool is_new_round = held_ && (held_may_be_stale_ || backBy(held_->pose.stamp_ns) > options_.jump_ns);

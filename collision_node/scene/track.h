@@ -122,6 +122,8 @@ class Track {
   Nanoseconds lead() const;
   /// The first epoch after `epoch` that the track has poses of, or has reached.
   std::optional<std::uint32_t> firstEpochAfter(std::uint32_t epoch) const;
+  /// Its stamps say nothing of how far the others must have come.
+  bool comesAhead() const { return comes_ahead_; }
   const InputCounts& counts() const { return counts_; }
   /// Of all epochs.
   const std::optional<Hole>& firstHole() const { return first_hole_; }
@@ -181,6 +183,7 @@ class Track {
   std::optional<Nanoseconds> stale_from_;  ///< a first pose this young may be such a leftover
   bool went_back_ = false;                 ///< by its own poses, and /clock has not said so yet
   bool given_up_ = false;
+  bool comes_ahead_ = false;
   std::optional<Nanoseconds> closed_ns_;
   std::deque<Sample> samples_;  ///< of the scene's epoch and later ones
   std::size_t base_ = 0;        ///< index of samples_.front()

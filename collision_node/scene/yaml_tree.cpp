@@ -213,9 +213,12 @@ YamlNode readYaml(const std::string& file, const Overrides& overrides, Faults& f
 }
 
 std::string nearestWord(const std::string& word, const std::vector<std::string>& known) {
-  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-    return editDistance(word, a) < editDistance(word, b);
-  });
+  // Few mistype the first letter: of words as near as each other it decides.
+  const auto farness = [&](const std::string& other) {
+    return 2 * editDistance(word, other) + (word.substr(0, 1) == other.substr(0, 1) ? 0 : 1);
+  };
+  const auto nearest = std::min_element(
+      known.begin(), known.end(), [&](const auto& a, const auto& b) { return farness(a) < farness(b); });
   return nearest == known.end() ? std::string() : *nearest;
 }
 

@@ -37,8 +37,8 @@ struct YamlNode {
 /// node when unusable.
 YamlNode readYaml(const std::string& file, const Overrides& overrides, Faults& faults);
 
-/// The entry of `known` with the smallest edit distance to `word`, the first of equals; "" when `known` is
-/// empty.
+/// The entry of `known` with the smallest edit distance to `word`; of equals one with the same first letter,
+/// then the first; "" when `known` is empty.
 std::string nearestWord(const std::string& word, const std::vector<std::string>& known);
 
 /// "; nearest known: 'x'" or "" when there is none.

@@ -2,6 +2,8 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
+#include <nav_msgs/Path.h>
+#include <sensor_msgs/JointState.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <cmath>
@@ -30,20 +32,23 @@ scene::PoseSource frame(const std::string& name) {
   return source;
 }
 
-std::shared_ptr<const scene::Scene> sceneOf(const std::vector<scene::PoseSource>& sources) {
+/// `names`: of the objects; empty: a, b ...
+std::shared_ptr<const scene::Scene> sceneOf(const std::vector<scene::PoseSource>& sources,
+                                            const std::vector<std::string>& names) {
   auto out = std::make_shared<scene::Scene>();
   for (const auto& source : sources) {
     out->objects.emplace_back();
-    out->objects.back().name = std::string(1, static_cast<char>('a' + out->objects.size() - 1));
+    const std::size_t i = out->objects.size() - 1;
+    out->objects.back().name = names.empty() ? std::string(1, static_cast<char>('a' + i)) : names[i];
     out->objects.back().source = source;
   }
   return out;
 }
 
 struct Router {
-  explicit Router(const std::vector<scene::PoseSource>& sources)
+  explicit Router(const std::vector<scene::PoseSource>& sources, const std::vector<std::string>& names = {})
       : router(
-            sceneOf(sources), [](const std::string& name) { return "/" + name; },
+            sceneOf(sources, names), [](const std::string& name) { return "/" + name; },
             [this](int object, const motion::StampedPose& pose, StampKind kind) {
               objects.push_back(object);
               poses.push_back(pose);
@@ -207,6 +212,118 @@ TEST(PoseRouter, gazeboStatesCarryTheTimeOfReceipt) {
   EXPECT_EQ(r.poses[0].stamp_ns, 123);
   EXPECT_EQ(r.kinds[0], StampKind::kGuessed);
   EXPECT_EQ(r.poses[0].pose.position.x(), 7.0);
+}
+
+nav_msgs::Path pathIn(const std::string& frame, int count) {
+  nav_msgs::Path out;
+  out.header = header(frame, 0);
+  for (int i = 0; i < count; ++i) {
+    out.poses.push_back(poseIn("", 100 * i, i));
+    out.poses.back().header.frame_id.clear();
+  }
+  return out;
+}
+
+scene::Stats counted(const PoseRouter& router) {
+  scene::Stats stats;
+  router.count(stats);
+  return stats;
+}
+
+TEST(PoseRouter, aPathIsHandedOnPoseByPose) {
+  Router r({topic("p")});
+  EXPECT_EQ(r.send("/p", pathIn("world", 3)), "taken");
+  EXPECT_EQ(r.send("/p", pathIn("world", 5)), "taken");
+  ASSERT_EQ(r.poses.size(), 5u);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(r.poses[static_cast<std::size_t>(i)].stamp_ns, 100 * i * kMs);
+  EXPECT_TRUE(r.poses[0].comes_ahead);
+  EXPECT_NE(r.send("/p", pathIn("odom", 3)).find("header.frame_id is 'odom' and was 'world'"),
+            std::string::npos);
+  auto changed = pathIn("world", 5);
+  changed.poses[2].pose.position.x = 7;
+  r.send("/p", changed);
+  EXPECT_EQ(r.poses.size(), 5u);
+  EXPECT_EQ(counted(r.router).duplicate, 1u);
+  EXPECT_EQ(counted(r.router).rejected, 1u) << "the message in another frame";
+  // Behind a reset, or a clock that went back, the same path is news.
+  r.router.reset();
+  r.send("/p", changed);
+  r.router.clockWentBack();
+  r.send("/p", changed);
+  EXPECT_EQ(r.poses.size(), 15u);
+}
+
+TEST(PoseRouter, aPathInAnotherFrameIsComposedWithIt) {
+  Router r({topic("p")});
+  r.send("/p", pathIn("lab", 3));
+  r.send("/tf_static", transform("world", "lab", 0, 10, kQuarter));
+  ASSERT_EQ(r.poses.size(), 3u);
+  EXPECT_LT((r.poses[2].pose.position - geometry::Vec3(10, 2, 0)).norm(), 1e-14);
+  EXPECT_TRUE(r.poses[2].comes_ahead);
+}
+
+/// Two parts, `arm` on a prismatic joint along x.
+std::vector<scene::PoseSource> slider() {
+  scene::PoseSource arm;
+  arm.type = Type::kJoints;
+  arm.topic = "joints";
+  arm.joints.resize(1);
+  arm.joints[0].joint.kind = geometry::UrdfJoint::Kind::kPrismatic;
+  arm.joints[0].joint.name = arm.joints[0].joint.driver = "slide";
+  return {topic("base"), arm};
+}
+
+sensor_msgs::JointState jointAt(int ms, double position) {
+  sensor_msgs::JointState out;
+  out.header = header("", ms);
+  out.name = {"slide"};
+  out.position = {position};
+  return out;
+}
+
+struct Robot : Router {
+  Robot() : Router(slider(), {"robot", "robot"}) {}
+};
+
+TEST(PoseRouter, jointsHangOnTheObjectsOwnPoses) {
+  Robot r;
+  EXPECT_EQ(r.router.topics(), (Topics{"/base", "/joints"}));
+  EXPECT_EQ(r.send("/joints", jointAt(0, 1)), "taken") << "it waits for the base";
+  for (int ms = 0; ms <= 300; ms += 100) r.send("/base", poseIn("world", ms, 0.01 * ms));
+  for (int ms = 50; ms <= 300; ms += 50) r.send("/joints", jointAt(ms, 1.0));
+  r.router.flush();
+  int of_base = 0, of_arm = 0;
+  for (std::size_t i = 0; i < r.poses.size(); ++i) {
+    const double x = r.objects[i] == 0 ? 0.0 : 1.0;
+    (r.objects[i] == 0 ? of_base : of_arm) += 1;
+    EXPECT_NEAR(r.poses[i].pose.position.x(), x + 0.01 * static_cast<double>(r.poses[i].stamp_ns / kMs),
+                1e-12);
+  }
+  EXPECT_EQ(of_base, 4);
+  EXPECT_EQ(of_arm, 7) << "the union of both stamps";
+  EXPECT_FALSE(r.router.usesTf());
+}
+
+TEST(PoseRouter, aBadPoseOfTheBaseIsCountedOnceAndAsItsOwn) {
+  Robot r;
+  r.send("/joints", jointAt(0, 1));
+  r.send("/base", poseIn("world", 0, std::nan("")));
+  ASSERT_EQ(r.objects, std::vector<int>{0});
+  EXPECT_EQ(r.router.faults().at("/base").rejected, 1u);
+  EXPECT_EQ(r.router.faults().count("/joints"), 0u);
+}
+
+TEST(PoseRouter, whatAChainDropsIsCounted) {
+  Robot r;
+  for (int ms = 0; ms <= 1000; ms += 100) {
+    r.send("/base", poseIn("world", ms, 0));
+    r.send("/joints", jointAt(ms, 0));
+  }
+  r.send("/joints", jointAt(1000, 5));  // again
+  r.send("/joints", jointAt(450, 5));   // long after it was due
+  r.send("/joints", jointAt(1100, 0));
+  EXPECT_EQ(counted(r.router).duplicate, 1u);
+  EXPECT_EQ(counted(r.router).late, 1u);
 }
 
 }  // namespace

@@ -1,12 +1,15 @@
-/// The README's tables of scene keys name every key that the reader of scenes asks for, and no other.
+/// The README's tables of scene keys name every key that the reader of scenes asks for, and no other; each
+/// line of "what must be true of your data" is quoted by a test.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <regex>
 #include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace collision_node::messages {
 namespace {
@@ -29,7 +32,7 @@ Keys keysOfTheReader() {
   Keys keys;
   const std::regex call(
       R"re((?:\b(?:real|reals|vec3|text|flag|whole|choice|find|map|has|readList)\(|needReal\(\w+,\s*)"(\w+)")re");
-  for (const char* file : {"scene_file", "object_reader", "pair_reader", "map_reader"})
+  for (const char* file : {"scene_file", "object_reader", "source_reader", "pair_reader", "map_reader"})
     collect(textOf(std::string("collision_node/scene/") + file + ".cpp"), call, keys);
   // The shapes are a list of words.
   const std::string reader = textOf("collision_node/scene/object_reader.cpp");
@@ -66,6 +69,34 @@ TEST(Readme, namesEveryKeyThatTheReaderKnows) {
   for (const auto& key : reader) EXPECT_EQ(readme.count(key), 1u) << key << " is missing in README.md";
   for (const auto& key : readme)
     EXPECT_EQ(reader.count(key), 1u) << key << " is in README.md, but nobody reads it";
+}
+
+/// The first cells of a table.
+std::vector<std::string> assumptions() {
+  std::vector<std::string> out;
+  std::istringstream in(textOf("README.md"));
+  bool in_table = false;
+  for (std::string line; std::getline(in, line);) {
+    if (line.empty()) in_table = false;
+    if (in_table && line.rfind("|--", 0) != 0) out.push_back(line.substr(2, line.find(" |", 2) - 2));
+    if (line == "| what is assumed | when it is not |") in_table = true;
+  }
+  return out;
+}
+
+TEST(Readme, everyAssumptionIsQuotedByATest) {
+  std::string tests;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(SOURCE_DIR) + "/test")) {
+    const std::string kind = entry.path().extension();
+    if (kind == ".cpp" || kind == ".py")
+      tests += textOf("test/" +
+                      std::filesystem::relative(entry.path(), std::string(SOURCE_DIR) + "/test").string());
+  }
+  tests = std::regex_replace(tests, std::regex("\n *//+ "), " ");  // comments are broken into lines
+  const auto rows = assumptions();
+  EXPECT_GE(rows.size(), 12u);
+  for (const auto& row : rows)
+    EXPECT_NE(tests.find("README: \"" + row + "\""), std::string::npos) << "no test quotes: " << row;
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ void see(SequenceGaps& gaps, const std::vector<std::uint32_t>& numbers, const st
   }
 }
 
+// README: "every message arrives"
 TEST(SequenceGaps, CountsTheNumbersThatNeverCame) {
   SequenceGaps gaps;
   see(gaps, {256, 257, 260, 261, 263});

@@ -55,6 +55,18 @@ TEST(Diagnostics, refusedMessagesAreAnErrorAndCountedByTopic) {
   EXPECT_EQ(valueOf(status, "rejected"), "5");
 }
 
+TEST(Diagnostics, namesTheJointThatIsWaitedFor) {
+  Health health = watching();
+  health.messages = 12;
+  health.missing_joints = {"joint 'elbow' of object 'arm', on /joint_states"};
+  health.stats.uncovered_objects = {"arm/hand"};
+  const Status status = diagnose(health);
+  EXPECT_EQ(status.level, Status::WARN);
+  EXPECT_EQ(status.message, "no position of joint 'elbow' of object 'arm', on /joint_states");
+  EXPECT_EQ(valueOf(status, "no position of"), "joint 'elbow' of object 'arm', on /joint_states");
+  EXPECT_EQ(valueOf(status, "messages"), "12");
+}
+
 TEST(Diagnostics, namesTheTopicThatLosesMessages) {
   Health health = watching();
   health.stats.lost = 7;

@@ -3,6 +3,7 @@
 #include <geometry_msgs/TransformStamped.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
+#include <nav_msgs/Path.h>
 #include <tf2_msgs/TFMessage.h>
 #include <yaml-cpp/yaml.h>
 
@@ -170,6 +171,60 @@ TEST_F(Sources, gazeboModelsGiveEventsThatAreNotCertified) {
     EXPECT_EQ(event["certificate"].as<std::string>(), "UNCERTIFIED");
     EXPECT_EQ(event["reason"].as<std::string>(), "STAMP_GUESSED");
   }
+}
+
+/// The same poses one by one, as a path that grows, and as a whole at once, far ahead of the wall.
+TEST_F(Sources, aPathSaysWhatItsPosesSay) {
+  const auto poseOf = [](std::int64_t ms) {
+    geometry_msgs::PoseStamped pose;
+    pose.header.frame_id = "world";
+    pose.header.stamp = after(ms * kMs);
+    pose.pose.position.x = 3.0 * std::sin(4e-3 * static_cast<double>(ms));
+    pose.pose.orientation.w = 1.0;
+    return pose;
+  };
+  constexpr std::int64_t kEnd = 3000;
+  std::vector<std::string> results;
+  for (const std::string how : {"one by one", "growing", "whole"}) {
+    {
+      rosbag::Bag bag(path("path.bag"), rosbag::bagmode::Write);
+      nav_msgs::Path all;
+      all.header.frame_id = "world";
+      for (std::int64_t ms = 0; ms <= kEnd; ms += 20) {
+        const auto pose = poseOf(ms);
+        all.poses.push_back(pose);
+        if (how == "one by one") bag.write("/ball", after(ms * kMs), pose);
+        if (how == "growing" && ms % 100 == 0) bag.write("/ball", after(ms * kMs), all);
+        if (how == "whole" && ms == kEnd) bag.write("/ball", after(0), all);
+        auto wall = pose;
+        wall.pose.position.x = 1e-4 * static_cast<double>(ms);
+        bag.write("/wall", after(ms * kMs), wall);
+      }
+    }
+    const Outcome got = replayed({scene("topic: ball", "topic: wall"), path("path.bag"), "--jsonl", "-"});
+    EXPECT_EQ(got.code, 0) << got.err;
+    results.push_back(got.out);
+  }
+  EXPECT_GE(lines(results[0]).size(), 6u);
+  EXPECT_EQ(results[1], results[0]);
+  EXPECT_EQ(results[2], results[0]);
+}
+
+TEST_F(Sources, aPlanIsRefused) {
+  {
+    rosbag::Bag bag(path("plan.bag"), rosbag::bagmode::Write);
+    nav_msgs::Path plan;
+    plan.header.frame_id = "world";
+    plan.poses.resize(4);
+    bag.write("/ball", after(0), plan);
+  }
+  const Outcome got = replayed({scene("topic: ball"), path("plan.bag")});
+  EXPECT_EQ(got.code, 2);
+  EXPECT_NE(got.err.find(
+                "topic /ball (object 'ball'): all 4 poses of a nav_msgs/Path have the stamp 0.000000000 s: "
+                "a plan, not a track"),
+            std::string::npos)
+      << got.err;
 }
 
 }  // namespace

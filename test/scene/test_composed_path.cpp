@@ -108,6 +108,21 @@ TEST(ComposedPath, aLeverCarriesItsBoundToTheSegmentItEnds) {
   EXPECT_LT(p.out[2].model_position, 1e-12);
 }
 
+/// Two edges that turn on: together by more than half a turn between two knots, or against each other.
+TEST(ComposedPath, theShortWayRoundIsInDoubtOnlyWhereTheTurnsAddUpToHalfATurn) {
+  for (const double second : {1.1, 1.2, -3.0}) {  // half a turn is 3.14 [rad]
+    Path p({edge(0), edge(1)}, 2);
+    for (const int index : {0, 1}) {
+      p.path.add(index, at(0, 0, 0.0), false);
+      p.path.add(index, at(100, 0, index == 0 ? 2.0 : second), false);
+    }
+    p.path.flush();
+    ASSERT_EQ(p.out.size(), 2u);
+    EXPECT_EQ(p.out[1].may_alias, second == 1.2) << second;
+    EXPECT_EQ(p.out[1].model_angle < 3.0, second != 1.2) << second;
+  }
+}
+
 TEST(ComposedPath, aHoleOfAnEdgeIsAHoleOfThePath) {
   Path p({edge(0), edge(1)}, 2);  // max_gap 1 s
   for (Nanoseconds t = 0; t <= 4000; t += 50) {

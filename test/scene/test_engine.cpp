@@ -121,6 +121,7 @@ TEST(Engine, NothingIsSweptThroughAGap) {
   EXPECT_TRUE(rig.events.empty());
 }
 
+// README: "two poses are at most `max_gap` apart"
 TEST(Engine, AGapEndsAnOpenContact) {
   Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
   rig.feedLine(0, 0, 500, 100, 0.0, 20.0);
@@ -134,6 +135,8 @@ TEST(Engine, AGapEndsAnOpenContact) {
   EXPECT_EQ(rig.events[2].contact_id, 1u);
 }
 
+// README: "no stream is silent, or behind the others, for longer than `timeout` of data time (a bag played
+// ten times as fast has a tenth of it in wall time)"
 TEST(Engine, ASilentObjectIsDroppedAndItsContactEnds) {
   Rig rig(sceneOf({movingSphere("ball"), movingSphere("clock"), fixedSphere("wall", 10.0)}));
   rig.feedLine(1, 0, 300, 100, 100.0, 0.0);
@@ -167,6 +170,7 @@ TEST(Engine, AnObjectThatNeverComesIsNamed) {
   EXPECT_EQ(rig.engine.stats().pairs_uncovered, 2u);
 }
 
+// README: "stamps go forward"
 TEST(Engine, ALoopGivesTheSameEventsInANewEpoch) {
   Rig rig(sceneOf({movingSphere("ball"), movingSphere("other"), fixedSphere("wall", 10.0)}));
   for (int round = 0; round < 3; ++round)
@@ -226,6 +230,7 @@ TEST(Engine, AFlushInTheMiddleMissesNothing) {
   }
 }
 
+// README: "a stamp is when the object was there"
 TEST(Engine, AGuessedStampIsNotCertified) {
   Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
   for (Nanoseconds t = 0; t <= 1000; t += 100)
@@ -322,6 +327,7 @@ TEST(Engine, LinksOfOneObjectAreTestedAtItsFirstPoseHoweverLateTheTestComes) {
   EXPECT_EQ(rig.events[0].stamp_ns, 1000 * kMs);
 }
 
+// README: "poses are finite, their quaternions of length 1, and one topic keeps to one type and one frame"
 TEST(Engine, C33_BadPosesAreCountedAndHarmless) {
   Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
   rig.feedLine(0, 0, 400, 100, 0.0, 20.0);

@@ -175,6 +175,7 @@ Tally runFlights(unsigned seed, int flights, const Limits& of_box, const Limits&
   return tally;
 }
 
+// README: "between two poses the object moves as the motion model says"
 TEST(EngineModelError, TheTrueContactOfABallThatSwervesLiesInTheModelFields) {
   const Tally tally = runFlights(91, 300, {20.0, 100.0, 30.0}, {60.0, 0.0, 1.0}, MotionModel::kSlerp);
   std::cout << tally.true_contacts << " true contacts, " << tally.certain << " certain, " << tally.near_misses

@@ -174,7 +174,7 @@ TEST_F(SceneFaults, Poses) {
   EXPECT_HAS(pose("{topic: a, model: m, link: l}"),
              "objects/o/pose: give at most one of: index (PoseArray), model");
   EXPECT_HAS(pose("{topic: a, links: true}"), "objects/o/pose/links: links: true is only meant beside tf");
-  EXPECT_HAS(pose("{tf: a, links: true}"), "is not available yet");
+  EXPECT_HAS(pose("{tf: a, links: true}"), "objects/o/pose/links: only a urdf has links that move");
   EXPECT_EQ(pose("{tf: a, links: false}"), "accepted");
   EXPECT_HAS(pose("{tf: a, links: 3}"), "objects/o/pose/links: '3' found; must be true or false");
   EXPECT_HAS(pose("{fixed: {position: [0, 0]}}"),

@@ -65,6 +65,7 @@ TEST(Track, PutsPosesInOrderWithinTheWindow) {
   EXPECT_EQ(track.counts().accepted, 7u);
 }
 
+// README: "one stamp, one pose"
 TEST(Track, OfTwoPosesWithOneStampTheFirstWins) {
   Track track(options());
   track.add(at(0, 1.0), false, {});
@@ -75,6 +76,7 @@ TEST(Track, OfTwoPosesWithOneStampTheFirstWins) {
   EXPECT_EQ(track.sample(track.firstIndex()).pose.pose.position.x(), 1.0);
 }
 
+// README: "no pose comes more than `reorder` after a newer one of its stream"
 TEST(Track, OneStragglerIsLateAndBreaksNothing) {
   Track track = fed({0, 100, 200, 300, 50, 400, 500});
   EXPECT_EQ(released(track), Stamps({0, 100, 200, 300, 400}));
@@ -162,6 +164,7 @@ TEST(Track, NothingIsSweptThroughAHole) {
   EXPECT_EQ(reach.reason, impact::Reason::kGap);
 }
 
+// README: "no object is faster than its `max_speed`, `max_spin`"
 TEST(Track, NothingIsSweptThroughATeleport) {
   TrackOptions with = options();
   with.max_speed = 10.0;
@@ -211,6 +214,8 @@ TEST(Track, AGuessedStampCastsDoubtOnBothItsSegments) {
   EXPECT_EQ(track.reach(i + 2).doubt, impact::Reason::kNone);
 }
 
+// README: "poses tell which way round an object turned: less than half a turn between two, or twists with
+// `motion: spin`"
 TEST(Track, ATwistOfMoreThanHalfATurnPerSegmentIsAliased) {
   for (const double rate : {31.0, 32.0}) {  // half a turn in 0.1 s is 31.4 rad/s
     Track track(options());
