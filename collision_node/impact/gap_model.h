@@ -20,6 +20,14 @@ struct Axis {
   bool valid = false;
 };
 
+/// An axis along which a pair was proved apart, as it is at `time`.
+struct Parting {
+  Axis axis;
+  double time = 0.0;  ///< [s] from the piece's start
+
+  Vec3 at(double t) const { return axis.direction + (t - time) * axis.rate; }
+};
+
 /// Lower bound of the gap along n(s): concave in s, so positive at s (and at 0) means positive between.
 class GapModel {
  public:

@@ -16,7 +16,7 @@ PieceRun::PieceRun(const PairPiece& pair, const Piece& piece, const PairOptions&
       piece_(piece),
       options_(options),
       search_(pair, options.node_budget, workspace),
-      writer_(pair, piece, options, search_),
+      writer_(pair, piece, options, search_, workspace),
       state_(state),
       events_(events),
       end_(pair.motion.duration()) {

@@ -22,13 +22,17 @@ constexpr int kWidth = geometry::BvhBlock::kWidth;
 /// A measure of a node's size, to compare with others.
 double sizeOf(const geometry::BvhNode& node) { return 0.6 * (node.half[0] + node.half[1] + node.half[2]); }
 
-/// The longest time any proposed axis proves. More are tried only where the first does worse than plain
-/// advancement by the distance would.
+/// The longest time any proposed axis proves, and that axis. More are tried only where the first does worse
+/// than plain advancement by the distance would.
 double apartFrom(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
-                 const Closest& closest, bool rounded, double span) {
+                 const Closest& closest, bool rounded, double span, Axis* proved) {
   double best = 0.0, gap = 0.0;
   const auto propose = [&](const Axis& axis) {
-    if (axis.valid) best = std::max(best, apartFor(GapModel(piece, now, a, b, axis), span, &gap));
+    if (!axis.valid) return;
+    const double s = apartFor(GapModel(piece, now, a, b, axis), span, &gap);
+    if (!(s > best)) return;
+    best = s;
+    *proved = axis;
   };
   Axis axis = axisOf(piece, now, closest, rounded);
   propose(axis);
@@ -148,7 +152,9 @@ void Search::walk(double from, double to, Leaf&& leaf) {
 }
 
 /// Steps from `from` as long as a gap is proved; returns the time up to which, >= to when throughout.
-double Search::advance(const Element& a, const Element& b, double from, double to, double stop) {
+/// `parting` receives what proved the last step.
+double Search::advance(const Element& a, const Element& b, double from, double to, double stop,
+                       Parting& parting) {
   const double radius = a.radius + b.radius + piece_.contact_distance;
   const bool triangles = a.triangle >= 0 && b.triangle >= 0;
   constexpr int kMaxSteps = 4000;
@@ -157,18 +163,24 @@ double Search::advance(const Element& a, const Element& b, double from, double t
   for (int step = 0; step < kMaxSteps; ++step) {
     if (step > 0) ++node_tests_;
     const Instant now = piece_.at(t);
-    double s = triangles ? TrianglePair(piece_, now, a, b).apartFor(to - t) : 0.0;
+    Axis axis, other;
+    double s = triangles ? TrianglePair(piece_, now, a, b).apartFor(to - t, &axis) : 0.0;
     if (s < to - t && !(s > stop)) {
       // The gap along the axis is what counts, and a thousandth less of it is as good.
       const Closest closest = closestPoints(Cores(now, a, b), guess, radius, 1e-3);
       guess = closest.v;
-      s = std::max(s, apartFrom(piece_, now, a, b, closest, radius > 0.0, to - t));
+      const double by_points = apartFrom(piece_, now, a, b, closest, radius > 0.0, to - t, &other);
+      if (by_points > s) {
+        s = by_points;
+        axis = other;
+      }
     }
     if (!(s > 0.0)) return t;
     if (s >= to - t) return kInfinity;
     const double next = t + s;
     if (!(next > t)) return t;
     t = next;
+    parting = {{axis.direction + s * axis.rate, axis.rate, true}, t};
     if (s < stop) return t;
   }
   return t;
@@ -188,16 +200,17 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
       const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
       if (a.triangle >= 0 && b.triangle >= 0 && search.test_.trianglesApart(slab, a, b, span))
         return kInfinity;
-      const double t = search.advance(a, b, span.low, span.high, stop);
+      Parting parting;
+      const double t = search.advance(a, b, span.low, span.high, stop, parting);
       if (t > span.high) return kInfinity;
       if (!first.found || t < first.time) first = {true, t, {ea, eb}};
-      search.near_.push_back({{ea, eb}, t});
+      search.near_.push_back({{ea, eb}, t, parting});
       return first.time + window;
     }
   };
   First first;
   near_.clear();
-  near_from_ = kInfinity;
+  near_from_ = stopped_at_ = kInfinity;
   if (straight_) {
     straight_->first(from, to, 10.0 * stop, path_contact_);
     node_tests_ += path_contact_.tests;
@@ -218,6 +231,7 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
   if (!shells_ || shells_->clear(from, to, stop, node_tests_))
     walk(from, to, Leaf{*this, stop, window, first});
   near_from_ = exhausted() ? kInfinity : asked_from;
+  if (first.found) stopped_at_ = first.time;
   near_to_ = first.found ? std::min(first.time + window, asked_to) : asked_to;
   near_.erase(std::remove_if(near_.begin(), near_.end(), [&](const Near& n) { return n.time > near_to_; }),
               near_.end());
@@ -228,6 +242,15 @@ const PathContact* Search::provedAt(double time) const {
   const bool proved =
       straight_ && path_contact_.kind == PathContact::Kind::kContact && path_contact_.lower == time;
   return proved ? &path_contact_ : nullptr;
+}
+
+const Parting* Search::partingAt(double time, ElementPair pair) const {
+  if (!(time >= stopped_at_ && time <= near_to_)) return nullptr;
+  for (const Near& near : near_) {
+    if (near.pair.a == pair.a && near.pair.b == pair.b)
+      return near.parting.axis.valid ? &near.parting : nullptr;
+  }
+  return nullptr;
 }
 
 std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t limit) {
@@ -248,7 +271,8 @@ std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t l
       const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
       const auto same = [&](const ElementPair& p) { return p.a == ea && p.b == eb; };
       if (std::any_of(pairs.begin(), pairs.end(), same)) return kInfinity;  // in two slabs
-      if (search.advance(a, b, span.low, span.high, 0.0) <= span.high) pairs.push_back({ea, eb});
+      Parting parting;
+      if (search.advance(a, b, span.low, span.high, 0.0, parting) <= span.high) pairs.push_back({ea, eb});
       return pairs.size() < limit ? kInfinity : -kInfinity;
     }
   };
@@ -272,7 +296,8 @@ Proved Search::classifyElements(const Instant& now, const Element& a, const Elem
   // What is likelier is asked first: the two answers exclude each other.
   const bool likely = closest.overlap || closest.v.norm() < radius;
   if (likely && touchesAt(piece_, now, a, b, closest, witness)) return Proved::kContact;
-  if (apartFrom(piece_, now, a, b, closest, radius > 0.0, 1e-300) > 0.0) return Proved::kApart;
+  Axis axis;
+  if (apartFrom(piece_, now, a, b, closest, radius > 0.0, 1e-300, &axis) > 0.0) return Proved::kApart;
   return !likely && touchesAt(piece_, now, a, b, closest, witness) ? Proved::kContact : Proved::kNothing;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "collision_node/impact/contact_proof.h"
+#include "collision_node/impact/contact_view.h"
 #include "collision_node/impact/gap_model.h"
 #include "collision_node/impact/node_test.h"
 #include "collision_node/impact/revolution_shell.h"
@@ -45,6 +46,10 @@ class Search {
   /// null.
   const PathContact* provedAt(double time) const;
 
+  /// What parted the pair until the last firstPossible() stopped, where that was at `time` or less than its
+  /// window before; else null.
+  const Parting* partingAt(double time, ElementPair pair) const;
+
   /// Surfaces, then solids, at one instant. kContact fills `witness`; with a horizon > 0 the witness is,
   /// among those found, the one that provably lasts longest within [t, t + horizon].
   Proved classify(double t, ContactWitness* witness, double horizon = 0.0);
@@ -75,12 +80,13 @@ class Search {
   struct Near {
     ElementPair pair;
     double time;
+    Parting parting;  ///< invalid axis: none
   };
 
   void push(Item item);
   Proved classifyElements(const Instant& now, const Element& a, const Element& b,
                           ContactWitness& witness) const;
-  double advance(const Element& a, const Element& b, double from, double to, double stop);
+  double advance(const Element& a, const Element& b, double from, double to, double stop, Parting& parting);
   bool longestLasting(double t, double horizon, const std::vector<ContactWitness>& found,
                       ContactWitness* witness);
 
@@ -98,6 +104,7 @@ class Search {
   /// Every pair of elements that is not proved apart throughout [near_from_, near_to_] is among these.
   std::vector<Near>& near_;
   double near_from_ = std::numeric_limits<double>::infinity(), near_to_ = 0.0;
+  double stopped_at_ = std::numeric_limits<double>::infinity();  ///< the last firstPossible()
 
   friend struct Workspace::Buffers;
 };
@@ -107,6 +114,7 @@ struct Workspace::Buffers {
   std::vector<Slab> slabs;
   std::vector<Search::Item> stack;
   std::vector<Search::Near> near;
+  ViewBuffers views;
 };
 
 }  // namespace collision_node::impact
