@@ -40,10 +40,10 @@ constexpr double kUp = 1.0 + 64.0 * kUnit;
 }  // namespace
 
 GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
-                   const Axis& axis)
+                   const Axis& axis, const CoreReaches& reaches)
     : a_(a), b_(b), direction_(axis.direction), rate_(axis.rate) {
   const RelativeMotion& m = piece.motion;
-  const double reach_a = coreReach(a) * kUp, reach_b = coreReach(b) * kUp;
+  const double reach_a = reaches.a * kUp, reach_b = reaches.b * kUp;
   length_ = direction_.norm() * kUp;
   rate_length_ = rate_.norm() * kUp;
   // A: max over a of [n + s (rate + n x omega_a)] . (R_a a); B likewise, its minimum written as a maximum.
@@ -250,18 +250,14 @@ double apartFor(const GapModel& model, double span, double* gap_now) {
   *gap_now = start.gap;
   if (!(start.gap > 0.0) || !(span > 0.0)) return 0.0;
   double low = 0.0, low_gap = start.gap;
-  double high = span;
+  // The parabola of the start's value and slope lies above the concave model: its root bounds ours from
+  // above.
+  const double bend = model.leastBend(), discriminant = start.slope * start.slope + 4.0 * bend * start.gap;
+  const double root = start.slope > 0.0 ? (start.slope + std::sqrt(discriminant)) / (2.0 * bend)
+                                        : 2.0 * start.gap / (std::sqrt(discriminant) - start.slope);
+  double high = root < span ? root : span;
   GapModel::Value end = model.at(high);
-  if (end.gap > 0.0) return span;
-  // The tangent at the start lies above the concave model: its root bounds ours from above.
-  if (start.slope < 0.0) {
-    const double root = start.gap / -start.slope;
-    if (root < high) {
-      high = root;
-      end = model.at(high);
-      if (end.gap > 0.0) return high;
-    }
-  }
+  if (end.gap > 0.0) return high;
   // A pair that recedes: the model rises before it falls, so that a chord from a small gap shows nothing of
   // the time it will last. The parabola with the low end's value and slope and the high end's value does; it
   // only proposes.

@@ -28,16 +28,27 @@ struct Parting {
   Vec3 at(double t) const { return axis.direction + (t - time) * axis.rate; }
 };
 
+/// How far the cores' points are from their objects' origins, to rounding [m].
+struct CoreReaches {
+  double a, b;
+};
+
 /// Lower bound of the gap along n(s): concave in s, so positive at s (and at 0) means positive between.
 class GapModel {
  public:
-  GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis);
+  GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis)
+      : GapModel(piece, now, a, b, axis, {coreReach(a), coreReach(b)}) {}
+  GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis,
+           const CoreReaches& reaches);
 
   struct Value {
     double gap;    ///< [m], rounding budget already subtracted
     double slope;  ///< a supergradient [m/s]
   };
   Value at(double s) const;
+
+  /// The gap is at most at(0).gap + s at(0).slope - s^2 leastBend() [m/s^2], to rounding.
+  double leastBend() const { return square_ + curve_ * length_; }
 
  private:
   const Element& a_;

@@ -52,6 +52,9 @@ struct Closest {
 /// close as `enough` will do, and so will a distance beyond it that is too large by the share `loss`.
 Closest closestPoints(const Cores& cores, const Vec3& guess, double enough = 0.0, double loss = 0.0);
 
+/// The same, begun with the points that held an earlier answer for the same elements.
+Closest closestPoints(const Cores& cores, const Closest& before, double enough = 0.0, double loss = 0.0);
+
 /// The largest distance of a point of the element's core from its object's origin, to rounding.
 double coreReach(const Element& element);
 

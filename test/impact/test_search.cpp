@@ -127,18 +127,48 @@ TEST(Search, NearPairsHoldEveryPairThatTouches) {
 }
 
 TEST(Search, OutOfReachIsAProof) {
-  int out = 0;
+  int out = 0, begin_later = 0, end_sooner = 0;
   for (int i = 0; i < 120; ++i) {
     const fuzz::Case c = fuzz::makeCase(kSeed + 3, i);
+    SCOPED_TRACE(c.describe());
     const moving::Pair pair = pairOf(c);
     Workspace workspace;
-    if (!Search(pair.solver, kPlenty, workspace).outOfReach()) continue;
-    ++out;
-    for (int k = 0; k <= 2; ++k)
-      ASSERT_GT(pair.exact.distance(pair.exact.duration() * k / 2), c.options.contact_distance)
-          << c.describe();
+    const Span reach = Search(pair.solver, kPlenty, workspace).withinReach();
+    const double end = c.duration();
+    out += reach.empty();
+    begin_later += !reach.empty() && reach.low > 0.0;
+    end_sooner += !reach.empty() && reach.high < end;
+    const auto apart = [&](Real t) { return pair.exact.distance(t) > c.options.contact_distance; };
+    for (int k = 0; k <= 2; ++k) {
+      if (reach.empty()) {
+        ASSERT_TRUE(apart(pair.exact.duration() * k / 2));
+        continue;
+      }
+      if (reach.low > 0.0) {
+        ASSERT_TRUE(apart(static_cast<Real>(reach.low) * k / 2));
+      }
+      if (reach.high < end) {
+        ASSERT_TRUE(apart(reach.high + (pair.exact.duration() - reach.high) * k / 2));
+      }
+    }
   }
   EXPECT_GT(out, 6) << "seed " << kSeed + 3;
+  EXPECT_GT(begin_later, 20);
+  EXPECT_GT(end_sooner, 20);
+}
+
+TEST(Search, ReachBeginsAndEndsWhereBallsTouch) {
+  // Two balls of 1 m and 0.5 m on parallel lines 0.9 m apart: within reach while |x| <= 1.2 m.
+  const Piece piece{0, 1'000'000'000, moving::flight(0, 1'000'000'000, Vec3::Zero(), Vec3::Zero()),
+                    moving::flight(0, 1'000'000'000, {-3.0, 0.9, 0.0}, {6.0, 0.0, 0.0})};
+  const moving::Pair pair{
+      {moving::placed(geometry::Sphere{1.0})}, {moving::placed(geometry::Sphere{0.5})}, piece};
+  Workspace workspace;
+  const Span reach = Search(pair.solver, kPlenty, workspace).withinReach();
+  EXPECT_LE(reach.low, 0.3);
+  EXPECT_NEAR(reach.low, 0.3, 1e-8);
+  EXPECT_GE(reach.high, 0.7);
+  EXPECT_NEAR(reach.high, 0.7, 1e-8);
 }
 
 /// A sphere of 5 mm flies past a torus, `offset` beside its axis.
