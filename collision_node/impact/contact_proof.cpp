@@ -326,13 +326,14 @@ void refineWeights(Closest& c) {
 bool touchesShrunk(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
                    const Vec3& guess, ContactWitness& witness) {
   const double deepest = std::max(Shrunk::deepest(a), Shrunk::deepest(b));
-  const double least = 64.0 * piece.point_error;
+  // Growing back rounds the rims, where (sqrt(2) - 1) depth is lost: near the budget little may be shrunk.
+  const double least = 4.0 * piece.point_error;
   if (!(deepest > least)) return false;
   constexpr double kStep = 8.0;
   const bool first = !(witness.shrunk > 0.0);
   double best = 0.0;
-  for (double depth = first ? least : std::min(deepest, kStep * witness.shrunk); depth >= least;
-       depth = std::max(depth / kStep, depth > least ? least : 0.0)) {
+  for (double depth = std::min(deepest, first ? 64.0 * piece.point_error : kStep * witness.shrunk);
+       depth >= least; depth = std::max(depth / kStep, depth > least ? least : 0.0)) {
     const Shrunk small(piece, a, b, depth);
     const double limit = small.radius - 2.0 * piece.point_error;
     Closest closest = closestPoints(Cores(now, small.a, small.b), guess, first ? 0.5 * limit : 0.0);
@@ -346,7 +347,7 @@ bool touchesShrunk(const PairPiece& piece, const Instant& now, const Element& a,
       witness.point =
           sharedPoint(now, closest, (small.radius > 0.0 ? (a.radius + 0.5 * depth) / small.radius : 0.5));
     }
-    if (first || best > limit / kStep) break;  // the next would have less
+    if (best > (first ? 0.0 : limit / kStep)) break;  // the next would have less
   }
   return best > 0.0;
 }
@@ -411,8 +412,10 @@ bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& t
   const double dt = to.t - from.t;
   const double spin = point_is_a ? piece.motion.spinB() : piece.motion.spinA();
   const double e = 2.0 * piece.point_error + 16.0 * kUnit * size;
-  // The point's path in that frame stays this close to x0: relative speed, and the frame's own turn.
-  const double move = (piece.speed + spin * size) * dt * (1.0 + 16.0 * kUnit) + e;
+  // The point's path in that frame has a length m <= dt (speed + spin (size + m/2)): relative speed, and the
+  // frame's own turn, half of the path away from one of its ends at most.
+  if (!(spin * dt < 1.0)) return false;
+  const double move = (piece.speed + spin * size) * dt * (1.0 + spin * dt) * (1.0 + 16.0 * kUnit) + e;
   const double reach = size + move;
 
   Vec3 up = Vec3::Zero();
@@ -448,11 +451,15 @@ bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& t
   for (const auto& t : faces) {
     for (int k = 0; k < 3; ++k) {
       const Vec3 &i = t[k], &j = t[(k + 1) % 3];
-      bool inner = false;
+      int same = 0, reverse = 0;
       for (const auto& other : faces) {
-        for (int l = 0; l < 3; ++l) inner |= other[l] == j && other[(l + 1) % 3] == i;
+        for (int l = 0; l < 3; ++l) {
+          same += other[l] == i && other[(l + 1) % 3] == j;
+          reverse += other[l] == j && other[(l + 1) % 3] == i;
+        }
       }
-      if (inner) continue;
+      if (same > 1 || reverse > 1) return false;  // no graph where three triangles share an edge
+      if (reverse == 1) continue;
       has_border = true;
       const double value = up.dot((i - x0).cross(j - x0));
       if (!(value > move * (j - i).norm() + 64.0 * kUnit * reach * reach)) return false;

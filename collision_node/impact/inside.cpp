@@ -28,14 +28,30 @@ bool meetsBox(const Vec3& p, const Vec3& u, const geometry::Bvh& bvh, std::int32
   return low <= high * (1.0 + 1e-12) + 1e-300;
 }
 
-/// Crossing of one triangle: +-1, 0, or uncertain.
+/// Six times the volume of p and a triangle, positive where p is behind it, and a bound of its error. The
+/// corners are exact, so an error of p counts along the normal only; the two shortest edges keep the digits
+/// of slivers.
+double volumeOf(const Vec3& p, const Element& t, double error, double* slack) {
+  int corner = 0;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3& x = t.vertices[k];
+    const double product = (t.vertices[(k + 1) % 3] - x).norm() * (t.vertices[(k + 2) % 3] - x).norm();
+    if (product < shortest) shortest = product, corner = k;
+  }
+  const Vec3& x = t.vertices[corner];
+  const Vec3 n = (t.vertices[(corner + 1) % 3] - x).cross(t.vertices[(corner + 2) % 3] - x), away = x - p;
+  *slack = error * (n.norm() + 16.0 * kUnit * shortest) + 32.0 * kUnit * away.norm() * shortest;
+  return away.dot(n);
+}
+
+/// Crossing of one triangle: +-1, 0, or uncertain. p off by e changes u.(a x b) by |u| |b - a| e.
 bool crossing(const Vec3& p, const Vec3& u, const Element& t, double error, int* sign) {
   const Vec3 a = t.vertices[0] - p, b = t.vertices[1] - p, c = t.vertices[2] - p;
-  const double na = a.norm() + error, nb = b.norm() + error, nc = c.norm() + error;
-  const double length = u.norm();
-  const double slack_ab = length * ((error + 16.0 * kUnit * na) * nb + (error + 16.0 * kUnit * nb) * na);
-  const double slack_bc = length * ((error + 16.0 * kUnit * nb) * nc + (error + 16.0 * kUnit * nc) * nb);
-  const double slack_ca = length * ((error + 16.0 * kUnit * nc) * na + (error + 16.0 * kUnit * na) * nc);
+  const double na = a.norm(), nb = b.norm(), nc = c.norm(), length = (1.0 + 16.0 * kUnit) * u.norm();
+  const double slack_ab = length * (error * (b - a).norm() + 32.0 * kUnit * na * nb);
+  const double slack_bc = length * (error * (c - b).norm() + 32.0 * kUnit * nb * nc);
+  const double slack_ca = length * (error * (a - c).norm() + 32.0 * kUnit * nc * na);
   const double ab = u.dot(a.cross(b)), bc = u.dot(b.cross(c)), ca = u.dot(c.cross(a));
   *sign = 0;
   const bool all_positive = ab > slack_ab && bc > slack_bc && ca > slack_ca;
@@ -46,8 +62,8 @@ bool crossing(const Vec3& p, const Vec3& u, const Element& t, double error, int*
     return some_positive && some_negative;  // certainly misses
   }
   // Ahead of or behind p: the side of p seen from the triangle.
-  const double volume = a.dot(b.cross(c));
-  const double slack = error * (na * nb + nb * nc + na * nc) + 48.0 * kUnit * na * nb * nc;
+  double slack = 0.0;
+  const double volume = volumeOf(p, t, error, &slack);
   if (std::abs(volume) <= slack) return false;
   const bool ahead = (volume > 0.0) == all_positive;
   if (ahead) *sign = all_positive ? 1 : -1;
@@ -108,7 +124,9 @@ Where whereIn(const Body& body, int solid, const Vec3& point, double error) {
 
 Where containment(const PairPiece& piece, const Instant& now, Vec3* held) {
   if (piece.a.solids().empty() && piece.b.solids().empty()) return Where::kOutside;
-  const double error = 2.0 * piece.point_error;
+  // A point of the one, turned into the other's frame: off by the pose errors, times the other's reach where
+  // it is within that; farther out its distance alone proves it outside.
+  const double error = piece.point_error;
   Where answer = Where::kOutside;
   Vec3 found;
   std::vector<Vec3> points;

@@ -1,71 +1,20 @@
 #include "collision_node/replay/bag_input.h"
 
 #include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
+#include <limits>
 #include <map>
-#include <stdexcept>
 
 #include "collision_node/messages/convert.h"
 #include "collision_node/messages/event_text.h"
-#include "collision_node/replay/bag_index.h"
 
 namespace collision_node::replay {
 
 namespace {
 
-namespace fs = std::filesystem;
-
-std::unique_ptr<rosbag::Bag> openBag(const std::string& file) {
-  std::error_code ignored;
-  if (!fs::exists(file, ignored)) throw InputError(file + ": no such bag");
-  if (!fs::is_regular_file(file, ignored)) throw InputError(file + ": is not a file; a bag is expected");
-  if (fs::file_size(file, ignored) == 0) throw InputError(file + ": is empty (0 bytes); a bag is expected");
-  std::string start(13, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(in.gcount()));
-  if (start.rfind("#ROSBAG", 0) != 0) throw InputError(file + ": is not a bag (does not start with #ROSBAG)");
-  const std::string version = start.substr(7, start.find('\n') - 7);
-  if (version != " V2.0")
-    throw InputError(file + ": is a bag of version" + version +
-                     "; V2.0 is read: `rosbag reindex` and `rosbag fix` make one of an older bag, on a copy");
-  try {
-    return std::make_unique<rosbag::Bag>(file, rosbag::bagmode::Read);
-  } catch (const rosbag::BagUnindexedException&) {
-    throw InputError(file +
-                     ": has no index (its recording was never closed): run `rosbag reindex` on a copy of it");
-  } catch (const std::exception& error) {  // damage makes rosbag throw more than its own
-    throw InputError(file + ": is cut short or damaged (" + error.what() +
-                     "): run `rosbag reindex` on a copy of it to save what is left");
-  }
-}
-
 const char* const kTf = "/tf";
 const char* const kTfStatic = "/tf_static";
-
-/// A length that no pose message has. rosbag trusts the length it reads from a damaged bag.
-constexpr std::uint32_t kLargestMessage = 16 * 1024 * 1024;
-
-void fillBytes(const rosbag::MessageInstance& message, std::vector<std::uint8_t>& bytes) {
-  if (message.size() > kLargestMessage)
-    throw std::length_error("a message on " + message.getTopic() + " claims " +
-                            std::to_string(message.size()) + " bytes, at most " +
-                            std::to_string(kLargestMessage) + " are read");
-  bytes.resize(message.size());
-  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-  message.write(stream);
-}
-
-void fill(const rosbag::MessageInstance& message, std::vector<std::uint8_t>& bytes,
-          messages::RawMessage& raw) {
-  fillBytes(message, bytes);
-  raw.datatype = message.getDataType();
-  raw.md5sum = message.getMD5Sum();
-  raw.data = bytes.data();
-  raw.size = static_cast<std::uint32_t>(bytes.size());
-}
+constexpr Nanoseconds kEver = std::numeric_limits<Nanoseconds>::min();
+constexpr Nanoseconds kNever = std::numeric_limits<Nanoseconds>::max();
 
 std::string list(const std::vector<std::string>& items) {
   std::string out;
@@ -79,34 +28,45 @@ BagInput::BagInput(const std::vector<std::string>& files) : files_(files) {
   std::string faults;
   for (const auto& file : files) {
     try {
-      bags_.push_back(openBag(file));
-      if (const auto damaged = checkIndex(file))
-        damaged_from_ns_ = std::min(*damaged, damaged_from_ns_.value_or(*damaged));
+      bags_.push_back(std::make_unique<BagFile>(file));
     } catch (const InputError& error) {
       faults += (faults.empty() ? "" : "\n") + std::string(error.what());
     }
   }
   if (!faults.empty()) throw InputError(faults);
-  rosbag::View all;
-  for (const auto& bag : bags_) all.addQuery(*bag);
-  if (all.size() == 0) throw InputError(list(files_) + ": holds no messages");
-  begin_ = all.getBeginTime();
-  end_ = all.getEndTime();
+  begin_ns_ = kNever;
+  end_ns_ = kEver;
+  for (const auto& bag : bags_) {
+    first_of_.push_back(raw_.size());
+    for (const Connection& connection : bag->connections())
+      raw_.push_back({connection.datatype, connection.md5sum, nullptr, 0});
+    messages_ += bag->messages();
+    for (const ChunkInfo& chunk : bag->chunks()) {
+      begin_ns_ = std::min(begin_ns_, chunk.first_ns);
+      end_ns_ = std::max(end_ns_, chunk.last_ns);
+    }
+  }
+  if (messages_ == 0) throw InputError(list(files_) + ": holds no messages");
 }
 
 void BagInput::check(messages::PoseRouter& router, const scene::Scene& scene,
                      const messages::PoseRouter::ResolveTopic& resolve) const {
-  rosbag::View all;
-  for (const auto& bag : bags_) all.addQuery(*bag);
-  std::map<std::string, const rosbag::ConnectionInfo*> present;
+  std::map<std::string, const Connection*> present;
   std::string faults;
   const auto fault = [&](const std::string& line) { faults += (faults.empty() ? "" : "\n") + line; };
-  for (const rosbag::ConnectionInfo* connection : all.getConnections()) {
-    present[connection->topic] = connection;
-    try {
-      router.checkType(connection->topic, connection->datatype, connection->md5sum);
-    } catch (const messages::PoseError& error) {
-      fault(list(files_) + ": " + error.what());
+  for (const auto& bag : bags_) {
+    std::vector<char> has_messages(bag->connections().size(), 0);
+    for (const ChunkInfo& chunk : bag->chunks())
+      for (const std::uint32_t connection : chunk.connections) has_messages[connection] = 1;
+    for (std::size_t i = 0; i < has_messages.size(); ++i) {
+      if (has_messages[i] == 0) continue;
+      const Connection& connection = bag->connections()[i];
+      present[connection.topic] = &connection;
+      try {
+        router.checkType(connection.topic, connection.datatype, connection.md5sum);
+      } catch (const messages::PoseError& error) {
+        fault(list(files_) + ": " + error.what());
+      }
     }
   }
   std::vector<std::string> missing, held;
@@ -122,21 +82,15 @@ void BagInput::check(messages::PoseRouter& router, const scene::Scene& scene,
 }
 
 /// Whether tf is needed, and must be read from its beginning, stands in the first message of each topic.
+/// Damage is met again, and told, when the poses are read.
 void BagInput::learnFrames(messages::PoseRouter& router) const {
   const std::vector<std::string> topics = router.topics();  // a copy: tf may join
   for (const auto& topic : topics) {
     if (topic == kTf || topic == kTfStatic) continue;
-    try {
-      rosbag::View view;
-      for (const auto& bag : bags_) view.addQuery(*bag, rosbag::TopicQuery(topic));
-      if (view.size() == 0) continue;
-      std::vector<std::uint8_t> bytes;
-      messages::RawMessage raw;
-      fill(*view.begin(), bytes, raw);
-      router.learnFrame(topic, raw);
-    } catch (const std::exception&) {
-      // Damage is met again, and told, when the poses are read.
-    }
+    forEach({topic}, kEver, kNever, [&](const Message& message) {
+      router.learnFrame(topic, message.raw);
+      return false;
+    });
   }
 }
 
@@ -146,12 +100,13 @@ void BagInput::checkTf(const scene::Scene& scene, const messages::PoseRouter::Re
   learnFrames(probe);
   // Damage and messages that cannot be used are met again, and told, when the poses are read.
   std::string fault;
-  forEach({kTf, kTfStatic}, {}, {}, [&](const rosbag::MessageInstance& m, const messages::RawMessage& raw) {
+  forEach({kTf, kTfStatic}, kEver, kNever, [&](const Message& message) {
     try {
-      probe.handle(m.getTopic(), raw, 0);
+      probe.handle(message.connection.topic, message.raw, 0);
     } catch (const messages::PoseError& error) {
       if (fault.empty()) fault = error.what();
     }
+    return !probe.tf().unresolved().empty();
   });
   if (probe.tf().unresolved().empty()) return;
   throw InputError(list(files_) + ": tf never says where '" + list(probe.tf().unresolved()) +
@@ -160,60 +115,70 @@ void BagInput::checkTf(const scene::Scene& scene, const messages::PoseRouter::Re
                    "; tf frames here: " + list(probe.tf().frames()));
 }
 
-ros::Time BagInput::at(double seconds) const {
-  return messages::toTime(messages::toNanoseconds(begin_) + std::llround(seconds * 1e9));
+/// Of every connection of every bag: nothing is wanted.
+std::vector<std::vector<Nanoseconds>> BagInput::never() const {
+  std::vector<std::vector<Nanoseconds>> out;
+  for (const auto& bag : bags_) out.emplace_back(bag->connections().size(), kNever);
+  return out;
 }
 
-BagInput::Summary BagInput::forEach(
-    const std::vector<std::string>& topics, std::optional<double> from, std::optional<double> to,
-    const std::function<void(const rosbag::MessageInstance&, const messages::RawMessage&)>& visit) const {
-  const ros::Time start = from ? at(*from) : ros::TIME_MIN;
-  const ros::Time stop = to ? at(*to) : ros::TIME_MAX;
-  std::vector<std::string> timed = topics;
-  const auto removed = std::remove(timed.begin(), timed.end(), kTfStatic);
-  const bool wants_static = removed != timed.end();
-  timed.erase(removed, timed.end());
+BagInput::Summary BagInput::forEach(const std::vector<std::string>& topics, Nanoseconds from_ns,
+                                    Nanoseconds to_ns, const Visit& visit) const {
+  auto wanted = never();
+  for (std::size_t bag = 0; bag < bags_.size(); ++bag)
+    for (std::size_t i = 0; i < wanted[bag].size(); ++i) {
+      const std::string& topic = bags_[bag]->connections()[i].topic;
+      if (std::find(topics.begin(), topics.end(), topic) != topics.end())
+        wanted[bag][i] = topic == kTfStatic ? kEver : from_ns;
+    }
+  BagStream stream(bags_, std::move(wanted), to_ns);
   Summary summary;
-  ros::Time last = start;
-  // Only what rosbag does is guarded: a fault of the visitor is no damage of the bag. Beside its own
-  // exceptions a damaged bag makes rosbag throw those of boost and the standard library.
-  const auto read = [&](const auto& step) {
+  Nanoseconds last_ns = std::max(from_ns, begin_ns_);
+  for (;;) {
+    const BagStream::Message* message = nullptr;
     try {
-      step();
-      return true;
-    } catch (const std::exception& error) {
-      summary.damage = list(files_) + ": damaged after receive time " +
-                       messages::secondsText(messages::toNanoseconds(last)) + " s (" + error.what() +
-                       "): the " + std::to_string(summary.messages) +
+      message = stream.next();
+    } catch (const DamageError& error) {  // of the bag; a fault of the visitor is none
+      summary.damage = list(files_) + ": damaged after receive time " + messages::secondsText(last_ns) +
+                       " s (" + error.what() + "): the " + std::to_string(summary.messages) +
                        " messages before it are used, the rest is not";
-      return false;
+      return summary;
     }
-  };
-  rosbag::View view;
-  rosbag::View::iterator message;
-  std::vector<std::uint8_t> bytes;
-  messages::RawMessage raw;
-  const auto open = [&] {
-    for (const auto& bag : bags_) {
-      view.addQuery(*bag, rosbag::TopicQuery(timed), start, stop);
-      if (wants_static) view.addQuery(*bag, rosbag::TopicQuery(kTfStatic), ros::TIME_MIN, stop);
-    }
-    message = view.begin();
-  };
-  const auto take = [&] {
-    if (damaged_from_ns_ && messages::toNanoseconds(message->getTime()) >= *damaged_from_ns_)
-      throw std::length_error("a message is longer than its chunk");
-    fill(*message, bytes, raw);
-  };
-  if (!read(open)) return summary;
-  while (message != view.end()) {
-    if (!read(take)) break;
-    visit(*message, raw);
-    last = message->getTime();
+    if (message == nullptr) return summary;
+    const std::size_t sender = numberOf(message->bag, message->connection);
+    messages::RawMessage& raw = raw_[sender];
+    raw.data = message->data;
+    raw.size = message->size;
+    last_ns = message->received_ns;
     ++summary.messages;
-    if (!read([&] { ++message; })) break;
+    if (!visit({last_ns, sender, bags_[message->bag]->connections()[message->connection], raw}))
+      return summary;
   }
-  return summary;
+}
+
+std::optional<Nanoseconds> BagInput::lastBefore(const std::string& topic, Nanoseconds ns) const {
+  std::optional<Nanoseconds> last;
+  for (std::size_t b = 0; b < bags_.size(); ++b) {
+    const BagFile& bag = *bags_[b];
+    std::vector<Nanoseconds> wanted = never()[b];
+    std::vector<std::uint32_t> senders;
+    for (std::uint32_t i = 0; i < wanted.size(); ++i)
+      if (bag.connections()[i].topic == topic) {
+        wanted[i] = kEver;
+        senders.push_back(i);
+      }
+    Chunk chunk;
+    for (auto info = bag.chunks().rbegin(); info != bag.chunks().rend(); ++info) {
+      const bool is_here = std::find_first_of(info->connections.begin(), info->connections.end(),
+                                              senders.begin(), senders.end()) != info->connections.end();
+      if (!is_here || info->first_ns >= ns || (last && info->last_ns <= *last)) continue;
+      bag.read(*info, wanted, ns, chunk);
+      if (chunk.messages.empty()) continue;
+      last = std::max(chunk.messages.back().received_ns, last.value_or(kEver));
+      break;
+    }
+  }
+  return last;
 }
 
 }  // namespace collision_node::replay

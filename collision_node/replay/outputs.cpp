@@ -20,16 +20,22 @@ const char* const kMarkers = "/collision_node/markers";
 const char* const kStats = "/collision_node/stats";
 const char* const kPlan = "/collision_node/plan";
 
-/// A bag keeps `latching` only of a connection header that is whole.
-boost::shared_ptr<ros::M_string> latchedHeader(const std::string& topic) {
+/// A bag keeps `latching` and `callerid` only of a connection header that is whole.
+boost::shared_ptr<ros::M_string> headerOf(const Connection& connection) {
   auto header = boost::make_shared<ros::M_string>();
-  (*header)["topic"] = topic;
-  (*header)["type"] = ros::message_traits::datatype<std_msgs::String>();
-  (*header)["md5sum"] = ros::message_traits::md5sum<std_msgs::String>();
-  (*header)["message_definition"] = ros::message_traits::definition<std_msgs::String>();
-  (*header)["latching"] = "1";
-  (*header)["callerid"] = "/collision_node";
+  (*header)["topic"] = connection.topic;
+  (*header)["type"] = connection.datatype;
+  (*header)["md5sum"] = connection.md5sum;
+  (*header)["message_definition"] = connection.definition;
+  if (!connection.sender.empty()) (*header)["callerid"] = connection.sender;
+  if (connection.latched) (*header)["latching"] = "1";
   return header;
+}
+
+boost::shared_ptr<ros::M_string> planHeader() {
+  namespace traits = ros::message_traits;
+  return headerOf({kPlan, traits::datatype<std_msgs::String>(), traits::md5sum<std_msgs::String>(),
+                   traits::definition<std_msgs::String>(), "/collision_node", true});
 }
 
 std::unique_ptr<PendingFile> pending(const std::string& name, const Options& options,
@@ -95,17 +101,28 @@ void Outputs::begin(const ros::Time& first_receive_time, const std::string& plan
   if (!bag_file_) return;
   std_msgs::String text;
   text.data = plan;
-  bag_.write(kPlan, first_, text, latchedHeader(kPlan));
+  bag_.write(kPlan, first_, text, planHeader());
   bag_.write(kMarkers, first_, markers_.start(first_));
 }
 
-void Outputs::input(const rosbag::MessageInstance& message) {
+void Outputs::input(const BagInput::Message& message) {
   if (!bag_file_) return;
-  bag_.write(message.getTopic(), std::max(message.getTime(), first_), message, message.getConnectionHeader());
+  if (copies_.size() <= message.sender) copies_.resize(message.sender + 1);
+  Copy& copy = copies_[message.sender];
+  const Connection& connection = message.connection;
+  if (!copy.header) {
+    copy.header = headerOf(connection);
+    copy.message.morph(connection.md5sum, connection.datatype, connection.definition,
+                       connection.latched ? "1" : "0");
+  }
+  ros::serialization::IStream stream(const_cast<std::uint8_t*>(message.raw.data), message.raw.size);
+  copy.message.read(stream);
+  bag_.write(connection.topic, std::max(messages::toTime(message.received_ns), first_), copy.message,
+             copy.header);
 }
 
-void Outputs::poseSeen(const ros::Time& received, motion::Nanoseconds stamp_ns) {
-  clock_.poseSeen(messages::toNanoseconds(received), stamp_ns);
+void Outputs::poseSeen(motion::Nanoseconds received_ns, motion::Nanoseconds stamp_ns) {
+  clock_.poseSeen(received_ns, stamp_ns);
 }
 
 ros::Time Outputs::receiveTime(std::uint32_t epoch, motion::Nanoseconds stamp_ns) {

@@ -2,13 +2,16 @@
 #pragma once
 
 #include <rosbag/bag.h>
+#include <topic_tools/shape_shifter.h>
 
 #include <fstream>
 #include <memory>
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include "collision_node/messages/markers.h"
+#include "collision_node/replay/bag_input.h"
 #include "collision_node/replay/options.h"
 #include "collision_node/replay/pending_file.h"
 #include "collision_node/replay/receive_clock.h"
@@ -27,8 +30,8 @@ class Outputs {
   void begin(const ros::Time& first_receive_time, const std::string& plan);
   /// Copies an input message into the result bag. `stamp_ns`: of a pose in it, if it has one; keeps the
   /// distance between stamps and receive times, by which events are placed among the inputs.
-  void input(const rosbag::MessageInstance& message);
-  void poseSeen(const ros::Time& received, motion::Nanoseconds stamp_ns);
+  void input(const BagInput::Message& message);
+  void poseSeen(motion::Nanoseconds received_ns, motion::Nanoseconds stamp_ns);
   void event(const scene::Event& event);
   void stats(const scene::Stats& stats);
   /// Finishes and names all files. Throws InputError when one cannot be written whole.
@@ -37,6 +40,12 @@ class Outputs {
   std::uint64_t events() const { return events_; }
 
  private:
+  /// What a sender's messages are written with into the result bag.
+  struct Copy {
+    topic_tools::ShapeShifter message;
+    boost::shared_ptr<ros::M_string> header;
+  };
+
   ros::Time receiveTime(std::uint32_t epoch, motion::Nanoseconds stamp_ns);
   void row(const scene::Event& event);
 
@@ -46,6 +55,7 @@ class Outputs {
   std::unique_ptr<PendingFile> json_file_, csv_file_, bag_file_;
   std::ofstream json_, csv_;
   rosbag::Bag bag_;
+  std::vector<Copy> copies_;  // by sender
   messages::Markers markers_;
   ros::Time first_;
   ReceiveClock clock_;

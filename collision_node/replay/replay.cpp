@@ -1,6 +1,7 @@
 #include "collision_node/replay/replay.h"
 
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
@@ -54,7 +55,7 @@ class Run {
         heard_(scene_->objects.size(), false),
         router_(scene_, resolver(),
                 [this](int object, const motion::StampedPose& pose, messages::StampKind kind) {
-                  if (kind != messages::StampKind::kAlways) outputs_->poseSeen(now_, pose.stamp_ns);
+                  if (kind != messages::StampKind::kAlways) outputs_->poseSeen(now_ns_, pose.stamp_ns);
                   heard_[static_cast<std::size_t>(object)] = true;
                   messages::handToEngine(*engine_, object, pose, kind);
                 }) {
@@ -71,21 +72,25 @@ class Run {
 
   int run(const std::string& plan, bool show_progress) {
     const auto start = Clock::now();
-    outputs_->begin(input_.at(options_.from.value_or(0.0)), plan);
-    Progress progress(err_, show_progress, input_.begin(), input_.end());
+    const Nanoseconds from_ns = input_.beginNs() + std::llround(options_.from.value_or(0.0) * 1e9);
+    const Nanoseconds to_ns = options_.to ? input_.beginNs() + std::llround(*options_.to * 1e9)
+                                          : std::numeric_limits<Nanoseconds>::max();
+    outputs_->begin(messages::toTime(from_ns), plan);
+    Progress progress(err_, show_progress, messages::toTime(input_.beginNs()),
+                      messages::toTime(input_.endNs()));
     const auto summary =
-        input_.forEach(router_.topics(), options_.from, options_.to,
-                       [&](const rosbag::MessageInstance& m, const messages::RawMessage& raw) {
-                         now_ = m.getTime();
-                         progress.at(now_);
-                         outputs_->input(m);
-                         gaps_.see(m.getTopic(), m.getCallerId(), raw);
-                         try {
-                           router_.handle(m.getTopic(), raw, messages::toNanoseconds(m.getTime()));
-                         } catch (const messages::PoseError&) {
-                           // Counted by the router and told at the end; the rest of the bag is good.
-                         }
-                       });
+        input_.forEach(router_.topics(), from_ns, to_ns, [&](const BagInput::Message& message) {
+          now_ns_ = message.received_ns;
+          progress.at(messages::toTime(now_ns_));
+          outputs_->input(message);
+          gaps_.see(message.connection.topic, message.connection.sender, message.raw);
+          try {
+            router_.handle(message.connection.topic, message.raw, now_ns_);
+          } catch (const messages::PoseError&) {
+            // Counted by the router and told at the end; the rest of the bag is good.
+          }
+          return true;
+        });
     router_.flush();
     engine_->flush();
     progress.finish();
@@ -166,7 +171,7 @@ class Run {
   messages::SequenceGaps gaps_;
   std::unique_ptr<Outputs> outputs_;
   std::unique_ptr<scene::Engine> engine_;
-  ros::Time now_;
+  Nanoseconds now_ns_ = 0;
   Clock::time_point last_heartbeat_ = Clock::now();
   bool budget_met_ = false;
 };

@@ -2,6 +2,7 @@
 /// runs.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -15,6 +16,10 @@ struct Answer {
   Verdict verdict = Verdict::kUndecided;
   double toi_lower = 0.0, toi_upper = 0.0;  ///< [s] from the piece's start; equal when only one time is known
   double closing_speed = 0.0;               ///< [m/s] at the contact; 0 when not known
+  geometry::Vec3 point =                    ///< world [m]; NaN when the method names none
+      geometry::Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  double position_error = std::numeric_limits<double>::quiet_NaN();  ///< [m] claimed; NaN: no claim
+  bool certified = false;  ///< the method claims that its times and its ball are bounds
 };
 
 /// Built for one set, which must outlive it: models are made once, everything that belongs to a query
@@ -34,7 +39,11 @@ constexpr double kPrecision = 1e-9;  ///< [s] what ours is asked for, and what l
 
 using ContestantPtr = std::unique_ptr<Contestant>;
 
-/// The certified solver: first contact, to kPrecision. A hit is a CONFIRMED contact; POSSIBLE is undecided.
+/// The certified solver's first contact. A hit is a CONFIRMED contact; POSSIBLE is undecided, with its
+/// bracket.
+ContestantPtr makeOurs(const QuerySet& set, const impact::PairOptions& options);
+
+/// To kPrecision.
 ContestantPtr makeOurs(const QuerySet& set);
 
 }  // namespace collision_node::report

@@ -6,8 +6,7 @@ namespace {
 
 class Ours : public Contestant {
  public:
-  explicit Ours(const QuerySet& set) : set_(set) {
-    options_.time_precision = kPrecision;
+  Ours(const QuerySet& set, const impact::PairOptions& options) : set_(set), options_(options) {
     options_.scope = impact::Scope::kFirstContact;
   }
 
@@ -16,6 +15,7 @@ class Ours : public Contestant {
   Answer answer(const Query& query) override {
     impact::solve(*set_.bodies[query.a], *set_.bodies[query.b], query.piece, options_, workspace_, solution_);
     Answer answer;
+    answer.certified = true;
     if (solution_.events.empty()) {
       const bool apart =
           solution_.verdict == impact::Answer::kClear || solution_.verdict == impact::Answer::kCulled;
@@ -28,6 +28,8 @@ class Ours : public Contestant {
     answer.toi_lower = first.toi_lower;
     answer.toi_upper = first.toi_upper;
     answer.closing_speed = first.closing_speed;
+    answer.point = first.position;
+    answer.position_error = first.position_error;
     return answer;
   }
 
@@ -40,6 +42,14 @@ class Ours : public Contestant {
 
 }  // namespace
 
-ContestantPtr makeOurs(const QuerySet& set) { return std::make_unique<Ours>(set); }
+ContestantPtr makeOurs(const QuerySet& set, const impact::PairOptions& options) {
+  return std::make_unique<Ours>(set, options);
+}
+
+ContestantPtr makeOurs(const QuerySet& set) {
+  impact::PairOptions options;
+  options.time_precision = kPrecision;
+  return makeOurs(set, options);
+}
 
 }  // namespace collision_node::report

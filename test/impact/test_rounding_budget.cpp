@@ -8,6 +8,7 @@
 #include "collision_node/impact/gap_model.h"
 #include "test/impact/moving_pair.h"
 #include "test/oracle/interval_path.h"
+#include "test/oracle/stamped_motion.h"
 
 namespace collision_node::impact {
 namespace {
@@ -174,39 +175,6 @@ TEST(RoundingBudget, EveryPointDifferenceAndEveryGapValueIsWithinIt) {
   EXPECT_GT(worst_point, 1e-3) << "a budget that is never used would hide a solver that is needlessly unsure";
 }
 
-/// Half a turn of a quaternion: sine times axis, and cosine, of the step from one unit orientation to the
-/// next.
-struct HalfTurn {
-  I3 sine_axis;  ///< world axes
-  Interval sine, angle;
-};
-
-HalfTurn stepOf(const geometry::Quat& from, const geometry::Quat& to) {
-  const auto unit = [](const geometry::Quat& q, I3& v, Interval& w) {
-    const Interval length = sqrt(Interval(q.w()) * q.w() + Interval(q.x()) * q.x() + Interval(q.y()) * q.y() +
-                                 Interval(q.z()) * q.z());
-    v = {Interval(q.x()) / length, Interval(q.y()) / length, Interval(q.z()) / length};
-    w = Interval(q.w()) / length;
-  };
-  I3 u, v;
-  Interval uw, vw;
-  unit(from, u, uw);
-  unit(to, v, vw);
-  // to * conjugate(from): the step about world axes
-  Interval w = vw * uw + dotOf(v, u);
-  HalfTurn step;
-  step.sine_axis = minus(minus(times(uw, v), times(vw, u)), crossOf(v, u));
-  if (w.negative()) {
-    w = -w;
-    step.sine_axis = times(-1, step.sine_axis);
-  }
-  step.sine = lengthOf(step.sine_axis);
-  mpfr_atan2(step.angle.lo.raw(), step.sine.lo.raw(), w.hi.raw(), MPFR_RNDD);
-  mpfr_atan2(step.angle.hi.raw(), step.sine.hi.raw(), w.lo.raw(), MPFR_RNDU);
-  step.angle = Interval(2) * step.angle;
-  return step;
-}
-
 TEST(RoundingBudget, TheMotionsThatPosesMeanAreWithinItToo) {
   // Positions: the line, or the cubic, through the poses as they were told. Orientations: the slerp arc
   // between the two quaternions plus k whole turns, at constant rate. Whatever rounding made of coefficients
@@ -250,33 +218,15 @@ TEST(RoundingBudget, TheMotionsThatPosesMeanAreWithinItToo) {
     const double t = random.chance(0.2) ? relative.duration() : random.in(0, relative.duration());
     I3 position[2];
     for (int k = 0; k < 2; ++k) {
-      const Interval length = oracle::exactSeconds(from[k].stamp_ns, to[k].stamp_ns);
-      const Interval s = oracle::exactSeconds(from[k].stamp_ns, start) + t, u = s / length;
-      const I3 p0 = interval3(from[k].pose.position), way = minus(interval3(to[k].pose.position), p0);
-      position[k] = plus(p0, times(u, way));
-      if (cubic) {  // Hermite's cubic: the line, and what the twists add to it
-        const I3 v0 = minus(times(length, interval3(from[k].linear)), way);
-        const I3 v1 = minus(times(length, interval3(to[k].linear)), way);
-        const Interval rest = Interval(1) - u;
-        position[k] = plus(position[k], minus(times(u * rest * rest, v0), times(u * u * rest, v1)));
-      }
-      const HalfTurn step = stepOf(from[k].pose.orientation, to[k].pose.orientation);
-      Interval whole;  // 2 pi k
-      mpfr_const_pi(whole.lo.raw(), MPFR_RNDD);
-      mpfr_const_pi(whole.hi.raw(), MPFR_RNDU);
-      const I3 axis = times(Interval(1) / step.sine, step.sine_axis);
-      // The twist's sense against the arc's decides the sign of the turns.
-      const double sense = dotOf(axis, interval3(from[k].angular)).lo.sign() < 0 ? -1 : 1;
-      const Interval all = step.angle + Interval(2) * whole * Interval(sense * std::abs(turns[k]));
-      Interval sine, cosine;
-      oracle::sineAndCosine(all * u, sine, cosine);
+      using Model = oracle::StampedMotion::Model;
+      const oracle::StampedMotion motion(from[k], to[k],
+                                         cubic     ? Model::kCubic
+                                         : several ? Model::kTurns
+                                                   : Model::kLine);
+      const auto c = motion.positionFrom(start);
+      position[k] = plus(c[0], times(t, plus(c[1], times(t, plus(c[2], times(t, c[3]))))));
       const Vec3 y = random.direction();
-      RigidMotion still;
-      still.q0 = from[k].pose.orientation;
-      const IntervalPath begin(still, 0);
-      const I3 first = begin.rotated(begin.turn(0), interval3(y)), around = crossOf(axis, first);
-      const I3 exact =
-          plus(first, plus(times(sine, around), times(Interval(1) - cosine, crossOf(axis, around))));
+      const I3 exact = motion.rotated(start, t, interval3(y));
       const Mat3 r = k == 0 ? relative.rotationA(t) : relative.rotationB(t);
       I3 computed;
       for (int row = 0; row < 3; ++row)
@@ -284,7 +234,7 @@ TEST(RoundingBudget, TheMotionsThatPosesMeanAreWithinItToo) {
       const double error = k == 0 ? relative.rotationErrorA() : relative.rotationErrorB();
       const double off = upper(lengthOf(minus(computed, exact))) / (error * y.norm());
       worst_r[several && !cubic] = std::max(worst_r[several && !cubic], off);
-      EXPECT_LE(off, 1.0) << "turns " << turns[k] << " and " << upper(step.angle) << " rad";
+      EXPECT_LE(off, 1.0) << "turns " << turns[k];
     }
     const double off =
         upper(lengthOf(minus(interval3(relative.displacement(t)), minus(position[1], position[0]))));

@@ -25,6 +25,20 @@ using collision_node::impact::Reason;
 
 constexpr Nanoseconds kFrame = 33'333'333;  ///< [ns] 30 Hz
 
+/// Everything a failure needs to show.
+inline std::string listOf(const std::vector<PairEvent>& events) {
+  std::ostringstream out;
+  out.precision(17);
+  for (const PairEvent& e : events) {
+    out << toString(e.kind) << ' ' << toString(e.certificate) << ' ' << toString(e.reason) << " start "
+        << e.interval_start_ns << " ns toi [" << e.toi_lower << ", " << e.toi_upper << "] width "
+        << e.toi_upper - e.toi_lower << " at " << e.position.transpose() << " +- " << e.position_error
+        << " normal " << e.normal.transpose() << " +- " << e.normal_error << " features "
+        << toString(e.a.feature) << '/' << toString(e.b.feature) << '\n';
+  }
+  return out.str();
+}
+
 class Watched {
  public:
   Watched(Shapes a, Shapes b, const PairOptions& options = {})
@@ -53,19 +67,7 @@ class Watched {
     }
     return text;
   }
-  /// Everything a failure needs to show.
-  std::string list() const {
-    std::ostringstream out;
-    out.precision(17);
-    for (const PairEvent& e : events) {
-      out << toString(e.kind) << ' ' << toString(e.certificate) << ' ' << toString(e.reason) << " start "
-          << e.interval_start_ns << " ns toi [" << e.toi_lower << ", " << e.toi_upper << "] width "
-          << e.toi_upper - e.toi_lower << " at " << e.position.transpose() << " +- " << e.position_error
-          << " normal " << e.normal.transpose() << " +- " << e.normal_error << " features "
-          << toString(e.a.feature) << '/' << toString(e.b.feature) << '\n';
-    }
-    return out.str();
-  }
+  std::string list() const { return listOf(events); }
   int count(Kind kind) const {
     return static_cast<int>(
         std::count_if(events.begin(), events.end(), [&](const PairEvent& e) { return e.kind == kind; }));

@@ -6,11 +6,6 @@
 
 namespace oracle {
 
-/// Exact seconds between two stamps, as an enclosure.
-inline Interval exactSeconds(std::int64_t from_ns, std::int64_t to_ns) {
-  return Interval(static_cast<double>(to_ns - from_ns)) / Interval(1e9);  // both exact: spans below 2^53 ns
-}
-
 class IntervalPath {
  public:
   IntervalPath(const collision_node::motion::RigidMotion& motion, std::int64_t piece_start_ns) {
