@@ -66,7 +66,7 @@ double worldRounding(const PairPiece& piece) {
 
 ContactFacts describeContact(const PairPiece& piece, const Instant& now, double span, ElementPair pair,
                              double apart_at, const Earlier& earlier, const Parting* parting,
-                             ViewBuffers& buffers) {
+                             const Closest& start, ViewBuffers& buffers) {
   ContactFacts f;
   const RelativeMotion& m = piece.motion;
   Vec3 buffer_a[3], buffer_b[3];
@@ -78,7 +78,7 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   Closest closest;
   Vec3 n;
   if (radius > 0.0 || parting == nullptr || !stillParts(piece, cores, parting->at(now.t), &n)) {
-    closest = closestPoints(cores, parting != nullptr ? parting->at(now.t) : Vec3::Zero());
+    closest = closestPoints(cores, start);
     const Axis axis = axisOf(piece, now, closest, false);
     if (axis.valid) n = axis.direction;
     if (!axis.valid && !shallowestNormal(piece, cores, &n)) {

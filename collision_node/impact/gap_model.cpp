@@ -131,6 +131,40 @@ Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, 
   return axis;
 }
 
+Axis axisToCylinder(const PairPiece& piece, const Instant& now, const Element& a, const Element& b) {
+  const RelativeMotion& m = piece.motion;
+  const bool point_is_a = a.vertices != nullptr;
+  const Element& cylinder = point_is_a ? b : a;
+  const Vec3 xa = now.ra * (point_is_a ? a.vertices[0] : a.centre);
+  const Vec3 xb = now.rb * (point_is_a ? b.centre : b.vertices[0]);
+  const Vec3 xb_rate = now.d_rate + m.omegaB().cross(xb), xa_rate = m.omegaA().cross(xa);
+  const Vec3& omega = point_is_a ? m.omegaB() : m.omegaA();
+  const double outward = point_is_a ? -1.0 : 1.0;
+  // The point from the cylinder's centre, and its velocity in the cylinder's own turning frame: along the
+  // axis u, away from it along r, and around it along e.
+  const Vec3 x = (now.d + xb - xa) * outward;
+  const Vec3 v = (xb_rate - xa_rate) * outward - omega.cross(x);
+  const Vec3 u = (point_is_a ? now.rb : now.ra) * cylinder.axis;
+  const double along = u.dot(x);
+  const Vec3 across = x - along * u;
+  const double distance = across.norm();
+  const double above = along - std::clamp(along, -cylinder.half_length, cylinder.half_length);
+  const double beside = std::max(0.0, distance - cylinder.rim_radius);
+  const double gap = std::hypot(above, beside);
+  Axis axis;
+  if (!(gap > 0.0)) return axis;
+  const Vec3 r = distance > 0.0 ? Vec3(across / distance) : u.unitOrthogonal(), e = u.cross(r);
+  const double sine = above / gap, cosine = beside / gap;
+  Vec3 n = cosine * r + sine * u, turn = Vec3::Zero();
+  if (above != 0.0 && beside > 0.0)  // around the rim
+    turn = ((v.dot(u) * cosine - v.dot(r) * sine) / gap) * (cosine * u - sine * r);
+  if (beside > 0.0) turn += (cosine * v.dot(e) / distance) * e;
+  axis.direction = outward * n;
+  axis.rate = outward * (omega.cross(n) + turn);
+  axis.valid = true;
+  return axis;
+}
+
 namespace {
 
 /// Normals made unit, with their rates kept across them. Between cores that are apart every point of B lies

@@ -66,6 +66,9 @@ class GapModel {
 /// overlap.
 Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, bool rounded);
 
+/// The same for a single point and a cylinder, whose closest point slides over the cylinder.
+Axis axisToCylinder(const PairPiece& piece, const Instant& now, const Element& a, const Element& b);
+
 /// Normals of faces and of edge pairs for two triangles (separating axis theorem), axis, rim and side normals
 /// where a cylinder takes part, all turning with their features; for the last few budgets before a contact,
 /// where closest points no longer tell a direction. Empty for other elements.

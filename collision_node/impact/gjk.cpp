@@ -181,6 +181,7 @@ Closest descend(const Cores& cores, const Closest& start, double enough, double 
     // Nothing lies beyond `next` along -v: with the origin beyond it, only a flat tetrahedron's rounding
     // holds it.
     if (r.inside && c.v.dot(next.w) > 0.0) return c;
+    if (r.inside) c.last = c.v;
     keep(r, c.point, c);
     if (c.overlap) return c;
   }

@@ -42,10 +42,11 @@ struct Cores {
 struct Closest {
   int count = 0;  ///< 1..4 points in use
   SupportPair point[4];
-  double weight[4] = {};  ///< convex
-  Vec3 v = Vec3::Zero();  ///< closest point of B - A to the origin: from A to B
-  bool overlap = false;   ///< the origin seems to lie inside
-  bool exact = false;     ///< from a closed form: v is right to rounding
+  double weight[4] = {};     ///< convex
+  Vec3 v = Vec3::Zero();     ///< closest point of B - A to the origin: from A to B
+  Vec3 last = Vec3::Zero();  ///< overlap: v before the origin was found inside
+  bool overlap = false;      ///< the origin seems to lie inside
+  bool exact = false;        ///< from a closed form: v is right to rounding
 };
 
 /// Closest points of the cores. `guess` is a first direction, e.g. the last answer's v. Points that are as

@@ -54,7 +54,8 @@ double PairSteps::apartFor(const Instant& now, const Closest& closest, double sp
     best = s;
     *proved = axis;
   };
-  Axis axis = axisOf(piece_, now, closest, radius_ > 0.0);
+  const bool slides = closest.exact;  // a point and a cylinder
+  Axis axis = slides ? axisToCylinder(piece_, now, a_, b_) : axisOf(piece_, now, closest, radius_ > 0.0);
   propose(axis);
   // More are tried only where the first does worse than plain advancement by the distance would.
   const double plain = (closest.v.norm() - radius_ - 2.0 * piece_.point_error) / piece_.speed;

@@ -185,6 +185,11 @@ const PathContact* Search::provedAt(double time) const {
   return proved ? &path_contact_ : nullptr;
 }
 
+Closest Search::closestAt(double time, ElementPair pair) const {
+  const bool seen = time >= stopped_at_ && pair.a == stopped_by_.a && pair.b == stopped_by_.b;
+  return seen ? stopped_closest_ : Closest();
+}
+
 const Parting* Search::partingAt(double time, ElementPair pair) const {
   if (!(time >= stopped_at_ && time <= near_to_)) return nullptr;
   for (const Near& near : near_) {
@@ -232,8 +237,10 @@ std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t l
 
 Proved Search::classifyElements(const Instant& now, const Element& a, const Element& b, const Closest& start,
                                 ContactWitness& witness) const {
-  const Closest closest = closestPoints(Cores(now, a, b), start);
   const double radius = a.radius + b.radius + piece_.contact_distance;
+  // Known points that are as close as a proof needs will do, unless it is to last.
+  const double enough = start.count > 0 ? std::max(0.0, radius - 4.0 * piece_.point_error) : 0.0;
+  const Closest closest = closestPoints(Cores(now, a, b), start, enough);
   // What is likelier is asked first: the two answers exclude each other.
   const bool likely = closest.overlap || closest.v.norm() < radius;
   if (likely && touchesAt(piece_, now, a, b, closest, witness)) return Proved::kContact;
@@ -247,8 +254,7 @@ Proved Search::classifyPair(double t, ElementPair pair, ContactWitness* witness)
   Vec3 buffer_a[3], buffer_b[3];
   const Element a = piece_.a.element(pair.a, buffer_a), b = piece_.b.element(pair.b, buffer_b);
   *witness = ContactWitness();
-  const bool seen = pair.a == stopped_by_.a && pair.b == stopped_by_.b;
-  const Proved proved = classifyElements(piece_.at(t), a, b, seen ? stopped_closest_ : Closest(), *witness);
+  const Proved proved = classifyElements(piece_.at(t), a, b, closestAt(t, pair), *witness);
   witness->element_a = pair.a;
   witness->element_b = pair.b;
   return proved;

@@ -50,6 +50,9 @@ class Search {
   /// window before; else null.
   const Parting* partingAt(double time, ElementPair pair) const;
 
+  /// About the closest points of the pair by which it stopped, at a time behind; else none.
+  Closest closestAt(double time, ElementPair pair) const;
+
   /// Surfaces, then solids, at one instant. kContact fills `witness`; with a horizon > 0 the witness is,
   /// among those found, the one that provably lasts longest within [t, t + horizon].
   Proved classify(double t, ContactWitness* witness, double horizon = 0.0);
