@@ -348,6 +348,10 @@ bool touchesShrunk(const PairPiece& piece, const Instant& now, const Element& a,
     const double limit = small.radius - 2.0 * piece.point_error;
     Closest closest = closestPoints(Cores(now, small.a, small.b), guess, first ? 0.5 * limit : 0.0);
     refineWeights(closest);
+    if (closest.v.norm() > limit) {
+      const Closest on_edges = closestOnEdges(Cores(now, small.a, small.b), closest);
+      if (on_edges.count > 0 && on_edges.v.norm() < closest.v.norm()) closest = on_edges;
+    }
     const double slack = limit - closest.v.norm();
     if (slack > best && closeThrough(now, now, closest, closest, limit)) {
       best = slack;

@@ -117,6 +117,8 @@ Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, 
     // Stay perpendicular to the segment between the two points.
     const Vec3 e = closest.point[1].w - closest.point[0].w;
     const double length2 = e.squaredNorm();
+    // What rounding left along it would cost its whole length, which may be many times the gap.
+    axis.direction -= e * (e.dot(axis.direction) / length2);
     const Vec3 along = e * (-axis.direction.dot(rate[1] - rate[0]) / length2);
     axis.rate = along;
     if (rounded) {
@@ -225,6 +227,16 @@ void addCylinderAxes(AxisList& axes, const Element& cylinder, const Mat3& rotati
   }
   if (other.count > 8) return;
   const bool box = isBox(other);
+  if (box || other.count == 3) {  // the faces against the rim
+    const auto edgeTo = [&](int i) -> Vec3 {
+      return other_rotation * (other.vertices[i] - other.vertices[0]);
+    };
+    for (const int i : {1, 2, 4}) {
+      if (!box && i > 1) break;
+      const Vec3 n = box ? edgeTo(i) : edgeTo(1).cross(edgeTo(2));
+      axes.add(n, other_omega.cross(n), box ? 0.0 : edgeTo(1).norm() * edgeTo(2).norm());
+    }
+  }
   const Vec3 centre = origin + rotation * cylinder.centre;
   for (int i = 0; i < other.count; ++i) {
     const Vec3 x = other_origin + other_rotation * other.vertices[i] - centre;
@@ -240,6 +252,39 @@ void addCylinderAxes(AxisList& axes, const Element& cylinder, const Mat3& rotati
 }
 
 }  // namespace
+
+std::vector<Axis> rimAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+                          const Closest& closest) {
+  const bool cylinder_is_a = a.vertices == nullptr;
+  const Closest nearest = closestOnEdges(Cores(now, a, b), closest);
+  if (nearest.count == 0) return {};
+  const Element& cylinder = cylinder_is_a ? a : b;
+  const Mat3 &rotation = cylinder_is_a ? now.ra : now.rb, &other_rotation = cylinder_is_a ? now.rb : now.ra;
+  const RelativeMotion& m = piece.motion;
+  const Vec3 &omega = cylinder_is_a ? m.omegaA() : m.omegaB(),
+             &other_omega = cylinder_is_a ? m.omegaB() : m.omegaA();
+  const auto onCylinder = [&](int i) -> const Vec3& {
+    return cylinder_is_a ? nearest.point[i].local_a : nearest.point[i].local_b;
+  };
+  const auto onOther = [&](int i) -> const Vec3& {
+    return cylinder_is_a ? nearest.point[i].local_b : nearest.point[i].local_a;
+  };
+  const Vec3 arm = onCylinder(0) - cylinder.centre, axis = rotation * cylinder.axis;
+  Vec3 radial = rotation * (arm - cylinder.axis * cylinder.axis.dot(arm));
+  if (!(radial.norm() > 0.0)) return {};
+  radial.normalize();
+  AxisList axes(now, a, b);
+  // The closest vector, with what rounding left of it across the rim taken away: the rim's point stays
+  // extreme.
+  const Vec3 wedge = axis * axis.dot(nearest.v) + radial * radial.dot(nearest.v);
+  axes.add(wedge, omega.cross(wedge), 0.0);
+  if (nearest.count == 2) {
+    const Vec3 edge = other_rotation * (onOther(1) - onOther(0)), tangent = axis.cross(radial);
+    axes.add(edge.cross(tangent), other_omega.cross(edge).cross(tangent) + edge.cross(omega.cross(tangent)),
+             edge.norm());
+  }
+  return axes.take();
+}
 
 std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const Element& a,
                               const Element& b) {

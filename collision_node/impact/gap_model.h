@@ -74,6 +74,12 @@ Axis axisToCylinder(const PairPiece& piece, const Instant& now, const Element& a
 /// where closest points no longer tell a direction. Empty for other elements.
 std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b);
 
+/// Normals of a cylinder's rim with the vertex and the edge of the other that the closest points name. Where
+/// both are curved or sharp nothing but the exact place on the rim tells the normal of the last few budgets.
+/// Empty for other pairs.
+std::vector<Axis> rimAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+                          const Closest& closest);
+
 /// See the guarantee above; at most `span`. `gap_now` receives the proved gap at s = 0 (<= 0: none).
 double apartFor(const GapModel& model, double span, double* gap_now);
 

@@ -252,4 +252,51 @@ Closest closestPoints(const Cores& cores, const Closest& before, double enough, 
   return descend(cores, start, enough, loss);
 }
 
+Closest closestOnEdges(const Cores& cores, const Closest& hint) {
+  const bool cylinder_is_a = cores.a.element->vertices == nullptr;
+  const PosedCore &cylinder = cylinder_is_a ? cores.a : cores.b, &other = cylinder_is_a ? cores.b : cores.a;
+  Closest best;
+  if (cylinder.element->vertices != nullptr || other.element->vertices == nullptr) return best;
+  Vec3 corner[4], seen[4];  // in the other's frame and in the cylinder's
+  int count = 0;
+  for (int i = 0; i < hint.count; ++i) {
+    const Vec3& x = cylinder_is_a ? hint.point[i].local_b : hint.point[i].local_a;
+    if (std::find(corner, corner + count, x) != corner + count) continue;
+    corner[count] = x;
+    seen[count++] = cylinder.rotation->transpose() * (other.place(x) - cylinder.origin);
+  }
+  double nearest = std::numeric_limits<double>::infinity();
+  const auto offer = [&](int i, int j, double share) {
+    const Vec3 x = seen[i] + share * (seen[j] - seen[i]), p = nearestInCylinder(*cylinder.element, x);
+    const double distance = (x - p).norm();
+    if (!(distance < nearest)) return;
+    nearest = distance;
+    best.count = i == j ? 1 : 2;
+    const int ends[2] = {i, j};
+    for (int k = 0; k < best.count; ++k) {
+      const Vec3 w = *cylinder.rotation * (cylinder_is_a ? Vec3(seen[ends[k]] - p) : Vec3(p - seen[ends[k]]));
+      best.point[k] = {w, cylinder_is_a ? p : corner[ends[k]], cylinder_is_a ? corner[ends[k]] : p};
+      best.weight[k] = best.count == 1 ? 1.0 : k == 0 ? 1.0 - share : share;
+    }
+    best.v = *cylinder.rotation * (cylinder_is_a ? Vec3(x - p) : Vec3(p - x));
+  };
+  constexpr int kHalvings = 54;
+  for (int i = 0; i < count; ++i) {
+    offer(i, i, 0.0);
+    for (int j = 0; j < i; ++j) {
+      // The distance along the edge is convex; it grows along the direction from the nearest point.
+      const Vec3 edge = seen[j] - seen[i];
+      double low = 0.0, high = 1.0;
+      for (int k = 0; k < kHalvings; ++k) {
+        const double middle = 0.5 * (low + high);
+        const Vec3 x = seen[i] + middle * edge;
+        ((x - nearestInCylinder(*cylinder.element, x)).dot(edge) > 0.0 ? high : low) = middle;
+      }
+      offer(i, j, 0.5 * (low + high));
+    }
+  }
+  best.overlap = best.count > 0 && best.v.isZero(0.0);
+  return best;
+}
+
 }  // namespace collision_node::impact

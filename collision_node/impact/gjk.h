@@ -56,6 +56,11 @@ Closest closestPoints(const Cores& cores, const Vec3& guess, double enough = 0.0
 /// The same, begun with the points that held an earlier answer for the same elements.
 Closest closestPoints(const Cores& cores, const Closest& before, double enough = 0.0, double loss = 0.0);
 
+/// A cylinder and the vertices and edges of the other core that `hint` names: their closest points to
+/// rounding, where GJK only creeps towards the rim. At most two points, both with one point of the cylinder;
+/// none (count 0) for other pairs.
+Closest closestOnEdges(const Cores& cores, const Closest& hint);
+
 /// The largest distance of a point of the element's core from its object's origin, to rounding.
 double coreReach(const Element& element);
 

@@ -69,6 +69,9 @@ double PairSteps::apartFor(const Instant& now, const Closest& closest, double sp
     for (const Axis& other : featureAxes(piece_, now, a_, b_)) {
       if (cores.gapAlong(other.direction) > radius_) propose(other);
     }
+    if (best == 0.0) {
+      for (const Axis& other : rimAxes(piece_, now, a_, b_, closest)) propose(other);
+    }
   }
   return best;
 }

@@ -73,6 +73,23 @@ RigidMotion fixedAt(const Pose& pose) {
   return motion;
 }
 
+void pathHull(const RigidMotion& motion, Vec3 (&points)[4]) {
+  const double h = motion.fixed ? 0.0 : secondsBetween(motion.start_ns, motion.end_ns);
+  const Vec3 first = motion.c[1] * h, second = motion.c[2] * (h * h), third = motion.c[3] * (h * h * h);
+  points[0] = motion.c[0];
+  points[3] = motion.c[0] + first + second + third;
+  const bool is_straight = second.isZero(0.0) && third.isZero(0.0);
+  points[1] = is_straight ? points[0] : motion.c[0] + first / 3.0;
+  points[2] = is_straight ? points[3] : motion.c[0] + (2.0 * first + second) / 3.0;
+}
+
+double pathLength(const RigidMotion& motion) {
+  const double h = motion.fixed ? 0.0 : secondsBetween(motion.start_ns, motion.end_ns);
+  const Vec3 first = motion.c[1] * h, second = motion.c[2] * (h * h), third = motion.c[3] * (h * h * h);
+  if (second.isZero(0.0) && third.isZero(0.0)) return first.norm();
+  return (first.norm() + (first + second).norm() + (first + 2.0 * second + 3.0 * third).norm()) / 3.0;
+}
+
 RigidMotion straightSlerp(const StampedPose& from, const StampedPose& to) {
   RigidMotion motion = straightLine(from, to);
   const Turn turn = shortestTurn(from.pose.orientation, to.pose.orientation);

@@ -25,6 +25,14 @@ struct RigidMotion {
 
 RigidMotion fixedAt(const Pose& pose);
 
+/// A hull of the whole path of the origin: the Bezier points of its cubic, or both ends of a straight line
+/// twice. Plain double evaluation: a few roundings of the largest term. [m]
+void pathHull(const RigidMotion& motion, Vec3 (&points)[4]);
+
+/// At least the length of the origin's path, up to a few roundings of the largest term: that of the hull's
+/// edges. [m]
+double pathLength(const RigidMotion& motion);
+
 /// What tf2 does: straight line and shortest-arc slerp at constant rate. Requires from.stamp_ns <
 /// to.stamp_ns. The angle comes from atan2 (tf2's acos loses steps under 2e-8 rad). At exactly half a turn
 /// the arc is the one whose quaternion product from.conj * to has its first non-zero component positive after

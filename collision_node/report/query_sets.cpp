@@ -6,6 +6,7 @@
 
 #include "collision_node/report/made_meshes.h"
 #include "collision_node/report/random.h"
+#include "collision_node/report/scenes/building.h"
 
 namespace collision_node::report {
 namespace {
@@ -16,17 +17,8 @@ using geometry::Shape;
 using geometry::Vec3;
 using motion::Nanoseconds;
 
-constexpr Nanoseconds kStart = 1'600'000'000'000'000'000;  // like a robot's clock
-constexpr Nanoseconds kSecond = 1'000'000'000;
-constexpr Nanoseconds kFrame = 33'333'333;
 constexpr double kSpeed = 2000.0;  // [m/s]
 constexpr double kHalfTurn = 3.141592653589793;
-
-void addBody(QuerySet& set, Shape shape) {
-  std::vector<geometry::PlacedShape> shapes;
-  shapes.push_back({std::move(shape), Pose(), "made"});
-  set.bodies.push_back(std::make_unique<geometry::Body>(std::move(shapes)));
-}
 
 motion::RigidMotion between(const Pose& from, const Pose& to, Nanoseconds duration) {
   motion::StampedPose first, second;

@@ -51,7 +51,8 @@ struct Event {
 /// Heartbeat: what has been decided up to `watermark_ns`, and what it cost. Counts are since the last
 /// heartbeat for pairs, totals since the engine began for inputs, costs and worst values. A heartbeat comes
 /// at each whole stats_period after the epoch's first stamp (data that leap over several bring one, at the
-/// last of them), at a flush and at the end of an epoch.
+/// last of them), at a flush and at the end of an epoch. A pair is uncovered when nothing was known of one of
+/// its objects for some of the time, undecided when one was in doubt, whatever came of it.
 struct Stats {
   std::uint32_t epoch = 0;
   Nanoseconds stamp_ns = 0;  ///< data time of this heartbeat
@@ -75,6 +76,13 @@ struct Stats {
   double wall_time = 0;             ///< [s] filled by the caller, NaN if not measured
 };
 
+/// None of these changes an event.
+struct EngineOptions {
+  /// Solves every pair on every piece, however far apart the two are.
+  bool everything = false;
+  int threads = 1;  ///< at most; more than one are started only where there is work for them
+};
+
 class Engine {
  public:
   struct Sinks {
@@ -87,9 +95,12 @@ class Engine {
       const geometry::Body& a, const geometry::Body& b, const impact::PairOptions& options)>;
 
   /// Throws std::invalid_argument when the scene asks for what the engine cannot do, naming the object or
-  /// key.
-  Engine(std::shared_ptr<const Scene> scene, impact::MethodName method, Sinks sinks);
-  Engine(std::shared_ptr<const Scene> scene, const MethodFactory& make_method, Sinks sinks);
+  /// key. Only certified pairs are ever left unsolved: another method may have its own idea of who is apart.
+  Engine(std::shared_ptr<const Scene> scene, impact::MethodName method, Sinks sinks,
+         const EngineOptions& options = {});
+  /// The methods must be silent about pairs that are apart, unless `options.everything`.
+  Engine(std::shared_ptr<const Scene> scene, const MethodFactory& make_method, Sinks sinks,
+         const EngineOptions& options);
   ~Engine();
 
   /// Hands in one pose of `object` (index into Scene::objects), in any order. Bad poses are counted, not

@@ -4,10 +4,14 @@
 
 namespace collision_node::scene {
 
-void EventQueue::push(int pair_rank, const Event& event, std::shared_ptr<ContactNumber> contact) {
-  const Key key{instantAt(event.interval_start_ns, event.toi_lower),
-                instantAt(event.interval_start_ns, event.toi_upper), pair_rank, event.kind, arrivals_++};
-  events_.emplace(key, Waiting{event, std::move(contact)});
+void EventQueue::take(Outbox& outbox) {
+  for (Outbox::Item& item : outbox.items) {
+    const Key key{instantAt(item.event.interval_start_ns, item.event.toi_lower),
+                  instantAt(item.event.interval_start_ns, item.event.toi_upper), item.rank, item.event.kind,
+                  arrivals_++};
+    events_.emplace(key, Waiting{std::move(item.event), std::move(item.contact)});
+  }
+  outbox.items.clear();
 }
 
 Event EventQueue::pop() {

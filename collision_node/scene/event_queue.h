@@ -5,6 +5,8 @@
 #include <map>
 #include <memory>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "collision_node/scene/engine.h"
 #include "collision_node/scene/instant.h"
@@ -18,11 +20,26 @@ struct ContactNumber {
   std::uint64_t value = 0;
 };
 
+/// A pair's place in byte order of (object a, link a, object b, link b).
+using PairRank = std::uint64_t;
+
+/// What one pair has to say, until it is its turn to speak: pairs may be solved at the same time.
+struct Outbox {
+  struct Item {
+    PairRank rank;
+    Event event;
+    std::shared_ptr<ContactNumber> contact;
+  };
+  void push(PairRank rank, const Event& event, std::shared_ptr<ContactNumber> contact) {
+    items.push_back({rank, event, std::move(contact)});
+  }
+  std::vector<Item> items;
+};
+
 class EventQueue {
  public:
-  /// `pair_rank`: the pair's place in byte order of (object a, link a, object b, link b). Events of one pair
-  /// that compare equal in everything leave in the order they came.
-  void push(int pair_rank, const Event& event, std::shared_ptr<ContactNumber> contact);
+  /// Empties the outbox. Events of one pair that compare equal in everything leave in the order they came.
+  void take(Outbox& outbox);
 
   bool empty() const { return events_.empty(); }
   /// True when the first event lies before `limit`.
@@ -38,7 +55,7 @@ class EventQueue {
 
  private:
   // toi_lower, toi_upper, pair (a, then b), kind, arrival
-  using Key = std::tuple<Instant, Instant, int, impact::Kind, std::uint64_t>;
+  using Key = std::tuple<Instant, Instant, PairRank, impact::Kind, std::uint64_t>;
   struct Waiting {
     Event event;
     std::shared_ptr<ContactNumber> contact;

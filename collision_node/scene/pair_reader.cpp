@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <optional>
-#include <tuple>
+#include <set>
+#include <utility>
 
 #include "collision_node/scene/map_reader.h"
 
@@ -142,9 +143,6 @@ class PairReader {
   // ---- pairs
 
   const Link& linkOf(const Candidate& c) const { return scene_.objects[c.object].links[c.link]; }
-  std::string nameOf(const Candidate& c) const {
-    return scene_.objects[c.object].name + "/" + linkOf(c).name;
-  }
 
   static bool anyFits(const std::vector<NamePair>& pairs, const Candidate& a, const Candidate& b) {
     return std::any_of(pairs.begin(), pairs.end(), [&](const NamePair& pair) { return fits(pair, a, b); });
@@ -168,34 +166,33 @@ class PairReader {
     return "";
   }
 
+  /// Two objects that no entry names follow the rule; the others get their verdicts one by one.
   void pairUp() {
-    std::vector<Candidate> candidates;
-    for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
-      for (std::size_t k = 0; k < scene_.objects[i].links.size(); ++k) {
-        if (scene_.objects[i].links[k].body) candidates.push_back({static_cast<int>(i), static_cast<int>(k)});
-      }
-    }
-    std::sort(candidates.begin(), candidates.end(), [&](const Candidate& x, const Candidate& y) {
-      return std::tie(scene_.objects[x.object].name, linkOf(x).name) <
-             std::tie(scene_.objects[y.object].name, linkOf(y).name);
-    });
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      for (std::size_t k = i + 1; k < candidates.size(); ++k) decide(candidates[i], candidates[k]);
-    }
+    scene_.pairs = PairRules(default_distance_);
+    if (has_only_) scene_.pairs.watchNothingElse("not listed in pairs/only");
+    std::set<std::pair<int, int>> named;
+    for (const std::vector<NamePair>* entries : {&ignore_, &only_, &distances_})
+      for (const NamePair& entry : *entries) named.insert(std::minmax(entry.a.object, entry.b.object));
+    for (std::size_t i = 0; i < scene_.objects.size(); ++i)
+      if (scene_.objects[i].links.size() > 1) named.emplace(static_cast<int>(i), static_cast<int>(i));
+    for (const auto& [a, b] : named) decide(a, b);
   }
 
-  void decide(const Candidate& a, const Candidate& b) {
-    const std::string reason = reasonAgainst(a, b);
-    if (!reason.empty()) {
-      scene_.unwatched.emplace_back(nameOf(a), nameOf(b));
-      scene_.unwatched_reasons.push_back(reason);
-      return;
+  void decide(int object_a, int object_b) {
+    std::vector<PairVerdict> verdicts;
+    const std::vector<int> links_a = linksWithBody(scene_.objects[object_a]);
+    const std::vector<int> links_b = linksWithBody(scene_.objects[object_b]);
+    for (std::size_t i = 0; i < links_a.size(); ++i) {
+      for (std::size_t k = object_a == object_b ? i + 1 : 0; k < links_b.size(); ++k) {
+        const Candidate a{object_a, links_a[i]}, b{object_b, links_b[k]};
+        LinkPair pair{a.object, a.link, b.object, b.link, default_distance_};
+        for (const NamePair& entry : distances_) {
+          if (fits(entry, a, b)) pair.contact_distance = entry.contact_distance;
+        }
+        verdicts.push_back({pair, reasonAgainst(a, b)});
+      }
     }
-    LinkPair pair{a.object, a.link, b.object, b.link, default_distance_};
-    for (const NamePair& entry : distances_) {
-      if (fits(entry, a, b)) pair.contact_distance = entry.contact_distance;
-    }
-    scene_.pairs.push_back(pair);
+    scene_.pairs.set(object_a, object_b, std::move(verdicts));
   }
 
   MapReader reader_;

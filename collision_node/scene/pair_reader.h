@@ -5,7 +5,7 @@
 
 namespace collision_node::scene {
 
-/// Fills scene.pairs, scene.unwatched and its reasons from `node` (may be null: every object against every
+/// Fills scene.pairs from `node` (may be null: every object against every
 /// other). Requires scene.objects complete and sorted by name. Rules, the first that holds wins: neighbours
 /// in one URDF are never watched; `ignore` leaves out; with `only` just what it lists is watched; links of
 /// one object are watched with `self: true` or when `only` lists the two links. Of several `distances` that

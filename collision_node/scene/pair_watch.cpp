@@ -44,7 +44,7 @@ EventSide makeSide(const Object& object, const Link& link, const impact::Side& f
 
 }  // namespace
 
-PairWatch::PairWatch(const Scene& scene, const LinkPair& pair, int rank,
+PairWatch::PairWatch(const Scene& scene, const LinkPair& pair, PairRank rank,
                      std::unique_ptr<impact::PairMethod> method)
     : scene_(scene),
       pair_(pair),
@@ -53,19 +53,17 @@ PairWatch::PairWatch(const Scene& scene, const LinkPair& pair, int rank,
       model_(*method_, scene.objects[pair.object_a].links[pair.link_a].body->reach(),
              scene.objects[pair.object_b].links[pair.link_b].body->reach(), pair.contact_distance) {}
 
-void PairWatch::advance(const Step& step, EventQueue& queue, Costs& costs) {
+void PairWatch::advance(const Step& step, Outbox& outbox, Costs& costs) {
   std::vector<impact::PairEvent> events;
   const impact::PieceOutcome outcome = method_->advance(step.piece, state_, events);
   const impact::PieceOutcome with_error = model_.advance(step);
   costs.node_tests += outcome.node_tests + with_error.node_tests;
   costs.subdivisions += outcome.subdivisions + with_error.subdivisions;
   if (outcome.budget_met || with_error.budget_met) ++costs.budget_met;
-  is_swept_ = true;
   // What is clear of contact as modelled, but not certainly so, is not clear.
-  is_sure_ = step.doubt == impact::Reason::kNone && !model_.isUndecided();
   last_ = outcome.answer;
   const bool seems_clear = last_ == impact::Answer::kCulled || last_ == impact::Answer::kClear;
-  const impact::Answer answer = seems_clear && !is_sure_ ? impact::Answer::kUndecided : last_;
+  const impact::Answer answer = seems_clear && model_.isUndecided() ? impact::Answer::kUndecided : last_;
   worst_ = worst_ ? std::max(*worst_, answer) : answer;
 
   // An event whose bracket opened on an earlier piece carries what was wrong there too.
@@ -74,35 +72,42 @@ void PairWatch::advance(const Step& step, EventQueue& queue, Costs& costs) {
                         std::max(bracket_.speed_b, here.speed_b)};
   for (const impact::PairEvent& event : events)
     publish(event, event.interval_start_ns < step.piece.start_ns ? carried : here);
-  letGo(carried, queue);
+  letGo(carried, outbox);
   bracket_ = state_.phase == Phase::kUndecided || model_.isUndecided() ? carried : Context();
 }
 
-void PairWatch::interrupt(impact::Reason reason, EventQueue& queue) {
+void PairWatch::interrupt(impact::Reason reason, Outbox& outbox) {
   std::vector<impact::PairEvent> events;
   method_->interrupt(state_, reason, events);
   model_.interrupt();
   for (const impact::PairEvent& event : events) publish(event, bracket_);
-  letGo(bracket_, queue);
+  letGo(bracket_, outbox);
   forgetContact();
-  is_swept_ = false;
-  // The end of an epoch is no hole in it: nothing is known to follow.
-  if (reason != impact::Reason::kReset) had_hole_ = true;
 }
 
-void PairWatch::finish(EventQueue& queue) {
+void PairWatch::finish(Outbox& outbox) {
   std::vector<impact::PairEvent> events;
   method_->finish(state_, events);
   model_.finish();
   for (const impact::PairEvent& event : events) publish(event, bracket_);
-  letGo(bracket_, queue);
+  letGo(bracket_, outbox);
 }
 
 void PairWatch::startOver() {
   forgetContact();
   worst_.reset();
-  is_swept_ = had_hole_ = false;
-  is_sure_ = true;
+  last_ = impact::Answer::kCulled;
+}
+
+void PairWatch::skip() {
+  forgetContact();
+  last_ = impact::Answer::kCulled;
+  if (!worst_) worst_ = last_;
+}
+
+bool PairWatch::isQuiet() const {
+  const bool is_apart = state_.phase == Phase::kApart || state_.phase == Phase::kNew;
+  return is_apart && waiting_.empty() && !model_.isUndecided() && !model_.openSince();
 }
 
 void PairWatch::forgetContact() {
@@ -124,17 +129,11 @@ std::optional<Instant> PairWatch::openSince() const {
   return first;
 }
 
-std::optional<impact::Answer> PairWatch::worstAnswer() const {
-  if (had_hole_ || (!is_swept_ && !worst_)) return std::nullopt;
+impact::Answer PairWatch::worstAnswer() const {
   if (worst_) return *worst_;
   if (state_.phase == Phase::kTouching) return impact::Answer::kImpact;
-  if (state_.phase == Phase::kUndecided || !is_sure_) return impact::Answer::kUndecided;
+  if (state_.phase == Phase::kUndecided || model_.isUndecided()) return impact::Answer::kUndecided;
   return std::min(last_, impact::Answer::kClear);
-}
-
-void PairWatch::clearAnswer() {
-  worst_.reset();
-  had_hole_ = !is_swept_;
 }
 
 PairWatch::Context PairWatch::contextOf(const Step& step) const {
@@ -149,7 +148,7 @@ void PairWatch::publish(const impact::PairEvent& event, const Context& context) 
 }
 
 /// To the queue: all that need not wait for the model's error, and what the error alone makes possible.
-void PairWatch::letGo(const Context& context, EventQueue& queue) {
+void PairWatch::letGo(const Context& context, Outbox& outbox) {
   while (!waiting_.empty()) {
     Waiting& first = waiting_.front();
     if (first.from.kind == impact::Kind::kImpact) {
@@ -157,7 +156,7 @@ void PairWatch::letGo(const Context& context, EventQueue& queue) {
       if (!answer) break;
       fillModel(first.event, *answer);
     }
-    queue.push(rank_, first.event, first.contact);
+    outbox.push(rank_, first.event, first.contact);
     waiting_.pop_front();
   }
   for (const impact::PairEvent& miss : model_.takeNearMisses()) {
@@ -165,7 +164,7 @@ void PairWatch::letGo(const Context& context, EventQueue& queue) {
     if (miss.kind == impact::Kind::kImpact) {
       if (const auto answer = model_.answer(miss)) fillModel(event, *answer);
     }
-    queue.push(rank_, event, std::make_shared<ContactNumber>());
+    outbox.push(rank_, event, std::make_shared<ContactNumber>());
   }
   if (waiting_.empty()) model_.forgetEnded();
 }

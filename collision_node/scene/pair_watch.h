@@ -16,31 +16,42 @@ namespace collision_node::scene {
 /// What the solving cost, since the engine began.
 struct Costs {
   std::uint64_t node_tests = 0, subdivisions = 0, budget_met = 0;
+
+  void add(const Costs& more) {
+    node_tests += more.node_tests;
+    subdivisions += more.subdivisions;
+    budget_met += more.budget_met;
+  }
 };
 
 class PairWatch {
  public:
-  /// `pair` must outlive the watch, as must the scene's objects. `rank`: see EventQueue.
-  PairWatch(const Scene& scene, const LinkPair& pair, int rank, std::unique_ptr<impact::PairMethod> method);
+  /// The scene must outlive the watch.
+  PairWatch(const Scene& scene, const LinkPair& pair, PairRank rank,
+            std::unique_ptr<impact::PairMethod> method);
 
   /// Advances over a piece that follows the last one.
-  void advance(const Step& step, EventQueue& queue, Costs& costs);
+  void advance(const Step& step, Outbox& outbox, Costs& costs);
   /// Nothing is swept from here on; an open contact ends with `reason`.
-  void interrupt(impact::Reason reason, EventQueue& queue);
+  void interrupt(impact::Reason reason, Outbox& outbox);
   /// The end, for now: an undecided bracket is published. A contact stays open.
-  void finish(EventQueue& queue);
+  void finish(Outbox& outbox);
   /// A new epoch: as if never advanced.
   void startOver();
+  /// The two were apart for a while that was not advanced over. Requires isQuiet().
+  void skip();
+  /// Nothing is open: the pair is apart or was never advanced, and all its events are on their way.
+  bool isQuiet() const;
 
   bool isTouching() const { return state_.phase == impact::PairState::Phase::kTouching; }
   /// Lower end of what is still being searched and not published yet.
   std::optional<Instant> openSince() const;
 
-  /// The worst answer since clearAnswer(); without a piece since then, what the last pieces left. Nothing
-  /// when some of that time was not swept: no piece yet, or a hole.
-  std::optional<impact::Answer> worstAnswer() const;
-  void clearAnswer();
+  /// The worst answer since clearAnswer(); without a piece since then, what the last pieces left.
+  impact::Answer worstAnswer() const;
+  void clearAnswer() { worst_.reset(); }
 
+  PairRank rank() const { return rank_; }
   const LinkPair& pair() const { return pair_; }
 
  private:
@@ -58,7 +69,7 @@ class PairWatch {
   };
 
   void forgetContact();
-  void letGo(const Context& context, EventQueue& queue);
+  void letGo(const Context& context, Outbox& outbox);
   void fillModel(Event& event, const ModelWatch::Answer& answer) const;
   Context contextOf(const Step& step) const;
   void publish(const impact::PairEvent& event, const Context& context);
@@ -66,8 +77,8 @@ class PairWatch {
   std::shared_ptr<ContactNumber> contactOf(const impact::PairEvent& event);
 
   const Scene& scene_;
-  const LinkPair& pair_;
-  int rank_;
+  LinkPair pair_;
+  PairRank rank_;
   std::unique_ptr<impact::PairMethod> method_;
   impact::PairState state_;
   Context bracket_;  ///< over all pieces that an open bracket has seen
@@ -76,9 +87,6 @@ class PairWatch {
   std::deque<Waiting> waiting_;
   std::optional<impact::Answer> worst_;
   impact::Answer last_ = impact::Answer::kCulled;
-  bool is_sure_ = true;    ///< nothing casts doubt on the last piece's answer
-  bool is_swept_ = false;  ///< there was a piece since the start or the last break
-  bool had_hole_ = false;  ///< since clearAnswer(): nothing was swept for a while
 };
 
 }  // namespace collision_node::scene

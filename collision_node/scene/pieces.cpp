@@ -84,6 +84,13 @@ Step PieceCursor::next(const Track& a, const Track& b, Nanoseconds rest_known_ns
   return step;
 }
 
+void PieceCursor::jumpTo(std::size_t index_a, std::size_t index_b, Nanoseconds ns) {
+  a_ = index_a;
+  b_ = index_b;
+  begun_ = false;
+  at_ns_ = std::max(at_ns_, ns);
+}
+
 void PieceCursor::skipTo(const Track& a, const Track& b, Nanoseconds ns) {
   if (begun_) return;
   while (!a.isFixed() && a.has(a_ + 1) && a.stamp(a_ + 1) <= ns) ++a_;

@@ -32,6 +32,10 @@ class PieceCursor {
   /// `ns`.
   void skipTo(const Track& a, const Track& b, Nanoseconds ns);
 
+  /// Goes on at `ns`, which is not before the end of the last piece, in segments that begin with these
+  /// samples or later: nothing in between is looked at.
+  void jumpTo(std::size_t index_a, std::size_t index_b, Nanoseconds ns);
+
   /// The oldest samples still needed.
   std::size_t indexA() const { return a_; }
   std::size_t indexB() const { return b_; }

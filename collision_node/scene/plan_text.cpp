@@ -3,7 +3,6 @@
 #include <map>
 #include <set>
 #include <sstream>
-#include <tuple>
 
 #include "collision_node/scene/map_reader.h"
 #include "collision_node/scene/scene.h"
@@ -12,6 +11,8 @@ namespace collision_node::scene {
 namespace {
 
 namespace geo = geometry;
+
+constexpr std::uint64_t kPairsListed = 10000;
 
 std::string count(std::size_t n, const std::string& one, const std::string& many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
@@ -211,8 +212,14 @@ class Plan {
   }
 
   void writePairs() {
-    out_ << "\npairs watched (" << scene_.pairs.size() << "):\n";
-    for (const LinkPair& pair : scene_.pairs) {
+    const std::uint64_t count = scene_.pairs.count(scene_.objects);
+    out_ << "\npairs watched (" << count << "):\n";
+    if (count > kPairsListed) {
+      out_ << "  too many to list; every link of an object against those of every other, but for "
+           << scene_.pairs.exceptions().size() << " pairs of objects with rules of their own\n";
+      return;
+    }
+    for (const LinkPair& pair : scene_.pairs.list(scene_.objects)) {
       const Object& a = scene_.objects[pair.object_a];
       const Object& b = scene_.objects[pair.object_b];
       out_ << "  " << nameOf(pair.object_a, pair.link_a) << " x " << nameOf(pair.object_b, pair.link_b)
@@ -230,26 +237,39 @@ class Plan {
 
   /// A robot of fifty links has a thousand pairs within itself: one line per two objects and reason.
   void writeUnwatched() {
-    std::map<std::tuple<std::string, std::string, std::string>, std::vector<std::size_t>> groups;
-    const auto objectOf = [](const std::string& name) { return name.substr(0, name.find('/')); };
-    for (std::size_t i = 0; i < scene_.unwatched.size(); ++i) {
-      const auto& [a, b] = scene_.unwatched[i];
-      groups[{objectOf(a), objectOf(b), scene_.unwatched_reasons[i]}].push_back(i);
+    std::uint64_t links = 0, all = 0;
+    for (const Object& object : scene_.objects) {
+      const std::uint64_t own = linksWithBody(object).size();
+      all += links * own + own * (own - (own > 0 ? 1 : 0)) / 2;
+      links += own;
     }
-    out_ << "\npairs left out (" << scene_.unwatched.size() << "):\n";
-    for (const auto& [key, members] : groups) {
-      const auto& [a, b, reason] = key;
-      if (members.size() == 1) {
-        const auto& names = scene_.unwatched[members.front()];
-        out_ << "  " << names.first << " x " << names.second << ": " << reason << "\n";
-      } else {
-        out_ << "  " << a << " x " << b << ", " << members.size() << " pairs of links: " << reason << "\n";
+    const std::uint64_t count = all - scene_.pairs.count(scene_.objects);
+    out_ << "\npairs left out (" << count << "):\n";
+    std::uint64_t told = 0;
+    for (const auto& [objects, verdicts] : scene_.pairs.exceptions()) {
+      std::map<std::string, std::vector<const LinkPair*>> by_reason;
+      for (const PairVerdict& verdict : verdicts)
+        if (!verdict.against.empty()) by_reason[verdict.against].push_back(&verdict.pair);
+      for (const auto& [reason, pairs] : by_reason) {
+        told += pairs.size();
+        const LinkPair& first = *pairs.front();
+        if (pairs.size() == 1) {
+          out_ << "  " << nameOf(first.object_a, first.link_a) << " x "
+               << nameOf(first.object_b, first.link_b);
+        } else {
+          out_ << "  " << scene_.objects[first.object_a].name << " x " << scene_.objects[first.object_b].name
+               << ", " << pairs.size() << " pairs of links";
+        }
+        out_ << ": " << reason << "\n";
       }
     }
+    if (told < count)
+      out_ << "  " << (told > 0 ? "all others" : "all") << ": " << scene_.pairs.reasonAgainstRest() << "\n";
   }
 
   void writeLeftOut() {
     bool mesh = false, zone = false, topic = false, tf = false;
+    const bool has_pairs = scene_.pairs.count(scene_.objects) > 0;
     for (const Object& object : scene_.objects) {
       zone = zone || !object.zones.empty();
       topic = topic || object.source.type == PoseSource::Type::kTopic;
@@ -263,8 +283,8 @@ class Plan {
     if (!tf) out_ << "  no object is driven through tf: no transforms are read\n";
     if (!topic) out_ << "  no object has a pose topic: none is subscribed\n";
     if (!zone) out_ << "  no zone: events name links only\n";
-    if (mesh && tf && topic && zone && !scene_.pairs.empty()) out_ << "  nothing: all parts are used\n";
-    if (scene_.pairs.empty()) out_ << "  no pair: nothing is solved\n";
+    if (mesh && tf && topic && zone && has_pairs) out_ << "  nothing: all parts are used\n";
+    if (!has_pairs) out_ << "  no pair: nothing is solved\n";
   }
 
   const Scene& scene_;

@@ -9,13 +9,13 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "collision_node/geometry/body.h"
 #include "collision_node/geometry/urdf_file.h"
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/motion/stamped_pose.h"
+#include "collision_node/scene/pair_rules.h"
 
 namespace collision_node::scene {
 
@@ -69,13 +69,6 @@ struct Object {
   std::vector<std::string> movable_joints;  ///< held at 0
 };
 
-/// A pair of links that is watched. Side a is the smaller (object, link) in byte order.
-struct LinkPair {
-  int object_a = -1, link_a = -1;  ///< indices into Scene::objects and Object::links
-  int object_b = -1, link_b = -1;
-  double contact_distance = 0.0;  ///< [m]
-};
-
 struct TimeOptions {
   double reorder = 0.1;  ///< [s]
   double max_gap = 1.0;  ///< [s]
@@ -92,11 +85,8 @@ struct Scene {
   double stats_period = 1.0;            ///< [s] of data time
   std::uint64_t node_budget = 4000000;  ///< per piece and pair
   std::vector<Object> objects;          ///< in byte order of their names
-  std::vector<LinkPair> pairs;          ///< in byte order of (object a, link a, object b, link b)
-  std::vector<std::pair<std::string, std::string>>
-      unwatched;  ///< "object/link" pairs left out, with those reasons:
-  std::vector<std::string> unwatched_reasons;
-  std::vector<std::string> warnings;  ///< one line each, for whoever may print
+  PairRules pairs;                      ///< which pairs of links are watched
+  std::vector<std::string> warnings;    ///< one line each, for whoever may print
 };
 
 /// Every fault of a scene at once, one line each: file, key path, value, limit, what would be right.

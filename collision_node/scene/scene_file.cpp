@@ -81,14 +81,15 @@ std::shared_ptr<const Scene> loadScene(const std::string& file, const Resources&
   top.done();
   faults.throwIfAny();
 
-  if (scene->pairs.empty()) {
+  const bool has_pairs = scene->pairs.count(scene->objects) > 0;
+  if (!has_pairs) {
     scene->warnings.push_back(
         file + ": no pair is watched: nothing can be reported; give two objects, or see pairs");
   }
   const bool moves = std::any_of(scene->objects.begin(), scene->objects.end(), [](const Object& object) {
     return object.source.type != PoseSource::Type::kFixed;
   });
-  if (!moves && !scene->pairs.empty()) {
+  if (!moves && has_pairs) {
     scene->warnings.push_back(
         file +
         ": no object moves: each pair is tested once, at the end, with stamp 0; give one a topic or tf");

@@ -6,8 +6,30 @@
 
 namespace collision_node::scene {
 
+namespace {
+
+constexpr Nanoseconds kNotYet = std::numeric_limits<Nanoseconds>::min();
+constexpr Nanoseconds kAnyTime = std::numeric_limits<Nanoseconds>::max();
+
+/// How far a track lets the watermark go.
+Nanoseconds frontierOf(const Track& track) {
+  switch (track.status()) {
+    case Track::Status::kWaiting:
+      return kNotYet;
+    case Track::Status::kLive:
+      return track.frontier().value_or(kNotYet);
+    default:
+      return kAnyTime;
+  }
+}
+
+}  // namespace
+
 TimeLine::TimeLine(std::vector<Track> tracks, Nanoseconds timeout_ns)
-    : tracks_(std::move(tracks)), timeout_ns_(timeout_ns), is_changed_(tracks_.size(), 1) {
+    : tracks_(std::move(tracks)),
+      timeout_ns_(timeout_ns),
+      frontiers_(tracks_.size(), kAnyTime),
+      is_changed_(tracks_.size(), 0) {
   startOver();
 }
 
@@ -63,7 +85,7 @@ void TimeLine::releaseAll() {
 /// Takes over what one track has just learnt.
 void TimeLine::note(int index) {
   const Track& track = tracks_[index];
-  is_changed_[index] = 1;
+  if (std::exchange(is_changed_[index], 1) == 0) changed_.push_back(index);
   latest_epoch_ = std::max(latest_epoch_, track.epoch());
   if (track.firstReleased() && (!first_ || *track.firstReleased() < *first_)) {
     first_ = track.firstReleased();
@@ -72,7 +94,7 @@ void TimeLine::note(int index) {
   if (track.lastReleased() && (!newest_ || *track.lastReleased() > *newest_)) newest_ = track.lastReleased();
   if (track.status() == Track::Status::kLive)
     next_check_ns_ = std::min(next_check_ns_, track.newest() + timeout_ns_);
-  if (index == holder_) holder_ = -1;  // whoever else has come or gone joined at the watermark or above it
+  frontiers_.set(static_cast<std::size_t>(index), frontierOf(track));
 }
 
 void TimeLine::checkTimeouts() {
@@ -100,23 +122,10 @@ void TimeLine::checkTimeouts() {
 }
 
 void TimeLine::updateWatermark() {
-  if (holder_ >= 0) return;
-  std::optional<Nanoseconds> smallest;
-  int holder = -1;
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    const Track::Status status = tracks_[i].status();
-    if (status == Track::Status::kWaiting) return;
-    if (status != Track::Status::kLive) continue;
-    const std::optional<Nanoseconds> frontier = tracks_[i].frontier();
-    if (!frontier) return;
-    if (!smallest || *frontier < *smallest) {
-      smallest = frontier;
-      holder = static_cast<int>(i);
-    }
-  }
-  if (!smallest) return;
-  holder_ = holder;
-  watermark_ = watermark_ ? std::max(*watermark_, *smallest) : *smallest;
+  const Nanoseconds smallest = frontiers_.get();
+  if (smallest == kNotYet || smallest == kAnyTime) return;
+  // Whoever joins late joins at the watermark or above it; it never goes back.
+  watermark_ = watermark_ ? std::max(*watermark_, smallest) : smallest;
 }
 
 Nanoseconds TimeLine::newestDelivered() const {
@@ -168,7 +177,6 @@ void TimeLine::startOver() {
   watermark_.reset();
   first_.reset();
   newest_.reset();
-  holder_ = -1;
   next_check_ns_ = std::numeric_limits<Nanoseconds>::min();  // look at once
   for (std::size_t i = 0; i < tracks_.size(); ++i) note(static_cast<int>(i));
   checkTimeouts();
@@ -176,10 +184,8 @@ void TimeLine::startOver() {
 }
 
 std::vector<int> TimeLine::takeChanged() {
-  std::vector<int> changed;
-  for (std::size_t i = 0; i < is_changed_.size(); ++i)
-    if (std::exchange(is_changed_[i], 0) != 0) changed.push_back(static_cast<int>(i));
-  return changed;
+  for (const int index : changed_) is_changed_[index] = 0;
+  return std::exchange(changed_, {});
 }
 
 }  // namespace collision_node::scene

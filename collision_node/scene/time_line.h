@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "collision_node/scene/smallest.h"
 #include "collision_node/scene/track.h"
 
 namespace collision_node::scene {
@@ -51,7 +52,7 @@ class TimeLine {
   /// Released or not. Requires a watermark.
   Nanoseconds newestDelivered() const;
   const std::vector<Track>& tracks() const { return tracks_; }
-  /// Tracks that have released something or changed their status since the last call, ascending.
+  /// Tracks that have released something or changed their status since the last call.
   std::vector<int> takeChanged();
   /// Forgets a track's samples before `index`.
   void dropBefore(int track, std::size_t index) { tracks_[track].dropBefore(index); }
@@ -66,9 +67,10 @@ class TimeLine {
   Nanoseconds timeout_ns_;
   std::uint32_t epoch_ = 0, latest_epoch_ = 0;
   std::optional<Nanoseconds> watermark_, first_, newest_;
-  Nanoseconds next_check_ns_;  ///< no track can have timed out before the newest stamp passes this
-  int holder_ = -1;            ///< the track that holds the watermark back; -1: must be looked for
+  Nanoseconds next_check_ns_;        ///< no track can have timed out before the newest stamp passes this
+  Smallest<Nanoseconds> frontiers_;  ///< by track: how far it lets the watermark go
   std::vector<char> is_changed_;
+  std::vector<int> changed_;  ///< those of is_changed_
 };
 
 }  // namespace collision_node::scene

@@ -1,6 +1,7 @@
 #include "collision_node/scene/track.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 
@@ -157,7 +158,21 @@ void Track::release(const Arrival& arrival) {
     if (!scene_first_) scene_first_ = last_released_;
     scene_last_ = last_released_;
   }
+  noteWay(sample);
   samples_.push_back(sample);
+}
+
+/// Every sum is rounded up, so that a difference of two of them holds the way between.
+void Track::noteWay(Sample& sample) {
+  constexpr double kUp = 1.0 + 0x1p-48;
+  double way = 0.0;
+  if (sample.join == Join::kJoined) {
+    way = motion::pathLength(sample.segment.motion);
+  } else if (!samples_.empty()) {
+    way = (sample.pose.pose.position - samples_.back().pose.pose.position).norm();
+  }
+  if (way > 0.0) travelled_ = std::nextafter(travelled_ + way * kUp, std::numeric_limits<double>::infinity());
+  sample.travelled = travelled_;
 }
 
 void Track::releaseAll() {
@@ -292,6 +307,20 @@ bool Track::has(std::size_t index) const {
 
 Nanoseconds Track::stamp(std::size_t index) const {
   return fixed_ ? fixed_from_ns_ : sample(index).pose.stamp_ns;
+}
+
+std::size_t Track::indexAt(Nanoseconds ns, std::size_t last) const {
+  if (fixed_) return base_;
+  std::size_t low = base_, high = std::max(base_, last);  // the answer is in [low, high]
+  while (low < high) {
+    const std::size_t middle = high - (high - low) / 2;
+    if (stamp(middle) <= ns) {
+      low = middle;
+    } else {
+      high = middle - 1;
+    }
+  }
+  return low;
 }
 
 Reach Track::reach(std::size_t index) const {

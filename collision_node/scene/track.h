@@ -32,6 +32,9 @@ struct Sample {
   bool guessed = false;  ///< the stamp was invented by the receiver
   Join join = Join::kFirst;
   Segment segment;  ///< from the sample before; only when joined
+  /// [m] How far the object's origin has come since the track's first pose, rounded up. Across a hole: the
+  /// straight way.
+  double travelled = 0.0;
   After after = After::kOpen;
 };
 
@@ -123,6 +126,10 @@ class Track {
 
   // Samples by a running index that survives pruning.
   std::size_t firstIndex() const { return base_; }
+  /// One behind the newest sample kept, of whatever epoch.
+  std::size_t endIndex() const { return base_ + samples_.size(); }
+  /// The last sample in [firstIndex(), last] whose stamp is at most `ns`; the first one when there is none.
+  std::size_t indexAt(Nanoseconds ns, std::size_t last) const;
   std::size_t keptSamples() const { return samples_.size(); }
   bool has(std::size_t index) const;
   /// A fixed track's stamp is the smallest there is, unless it joined late.
@@ -149,6 +156,7 @@ class Track {
   void release(const Arrival& arrival);
   void enterEpoch(std::uint32_t epoch);
   void noteHole(impact::Reason reason);
+  void noteWay(Sample& sample);
   bool isEmpty() const { return pending_.empty() && !last_released_; }
   bool isBroken() const { return last_released_ && samples_.back().after != After::kOpen; }
 
@@ -173,6 +181,7 @@ class Track {
   std::deque<Sample> samples_;  ///< of the scene's epoch and later ones
   std::size_t base_ = 0;        ///< index of samples_.front()
   InputCounts counts_;
+  double travelled_ = 0.0;  ///< Sample::travelled of the newest
   std::optional<Hole> first_hole_;
 };
 

@@ -4,7 +4,8 @@ before the impact. The package's own view is shown, without its TF display: the 
 
     rviz_test.py path/to/replay path/to/repository [picture.png]
 
-Runs its own master, screen, rviz and player, and ends them by their ids. With `picture.png` the last picture is kept.
+Runs its own master, screen, rviz and player, and ends them by their ids. With `picture.png` rviz's view after the second shot
+is kept: the README's picture.
 """
 
 import os
@@ -19,6 +20,8 @@ from processes import Children, free_port, wait
 
 SKIP = 77  # told to ctest
 IMPACT_NS = 1700000001795415322  # the first confirmed impact of the demo
+SECOND_SHOT_NS = 1700000002250000000  # both its impacts are over, the third shot has not come
+VIEW = '900x740+364+62'  # rviz's view on the screen
 RED = 100  # pixels of the marker's colour that a picture must hold
 
 
@@ -119,7 +122,8 @@ def main():
             print('round %d: %d red pixels, %d before the impact' % (
                 wanted, *red_in_round(children, wanted, rounds, now, lambda: red_pixels(environment, picture))))
         if len(sys.argv) > 3:
-            shutil.copy(picture, sys.argv[3])
+            wait(children, 'the second shot', lambda: now[0] >= SECOND_SHOT_NS and red_pixels(environment, picture) >= RED)
+            subprocess.run(['convert', str(picture), '-crop', VIEW, '+repage', '-colors', '128', sys.argv[3]], check=True)
     return 0
 
 

@@ -210,7 +210,7 @@ class Pair {
     return out;
   }
 
- private:
+  /// Whether a part of `inner` lies inside a closed surface of `outer`; their surfaces must be apart.
   static bool anyInside(const Model& outer, const Frame& outer_frame, const Model& inner,
                         const Frame& inner_frame) {
     for (const V3& representative : inner.representatives) {
@@ -224,6 +224,7 @@ class Pair {
     return false;
   }
 
+ private:
   /// Looks for a touching instant just behind out.lo and narrows it down. Leaves `verified` false where none
   /// shows.
   void verify(FirstTouch& out, Real to) const {

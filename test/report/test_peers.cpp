@@ -2,8 +2,10 @@
 // clear.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "collision_node/report/made_meshes.h"
-#include "collision_node/report/peers.h"
+#include "collision_node/report/methods/peers.h"
 
 namespace {
 
@@ -13,6 +15,7 @@ using collision_node::geometry::Pose;
 using collision_node::geometry::Shape;
 using collision_node::geometry::Vec3;
 namespace geometry = collision_node::geometry;
+namespace impact = collision_node::impact;
 
 /// A unit cube at rest, its face at x = 0.5.
 MeshPtr cube() {
@@ -99,9 +102,42 @@ TEST(Peers, bullet_finds_a_sphere_on_a_face_in_float) {
 
 TEST(Peers, answer_only_sets_that_they_understand) {
   const QuerySet set = headOn(geometry::Box{Vec3::Ones()}, geometry::Box{Vec3::Ones()});
-  EXPECT_EQ(makeFclAdvancement(set), nullptr);
+  EXPECT_EQ(makeFclSampling(set), nullptr);
   EXPECT_EQ(makeEmbreeRays(set), nullptr);
   EXPECT_EQ(makeBulletSweep(set), nullptr);
+}
+
+/// A rod from -1 to 1 m along x turns about z by three turns; a ball sits at (0, 0.8): they meet after a
+/// quarter turn, less what both are thick.
+QuerySet rodAndBall() {
+  QuerySet set = headOn(geometry::Capsule{0.05, 2.0}, geometry::Sphere{0.05});
+  set.queries.resize(1);
+  impact::Piece& piece = set.queries[0].piece;
+  piece.a = piece.b;
+  piece.a.c[0].setZero(), piece.a.c[1].setZero();
+  piece.a.q0 = collision_node::geometry::Quat(Eigen::AngleAxisd(1.5707963267948966, Vec3::UnitY()));
+  piece.a.omega = 6.0 * 3.141592653589793 * Vec3::UnitZ();
+  piece.b.c[0] = Vec3(0.0, 0.8, 0.0), piece.b.c[1].setZero();
+  return set;
+}
+const double kRodMeets = (0.5 - std::asin(0.1 / 0.8) / 3.141592653589793) / 6.0;
+
+TEST(Peers, fcl_and_bullet_are_given_turns_that_they_can_follow) {
+  const QuerySet set = rodAndBall();
+  if (!makeFclPrimitives(set)) GTEST_SKIP() << "FCL was not found when the tests were built";
+  EXPECT_NEAR(makeFclPrimitives(set)->answer(set.queries[0]).toi_lower, kRodMeets, 1e-4);
+  EXPECT_NEAR(makeFclAdvancement(set, 1e-7)->answer(set.queries[0]).toi_lower, kRodMeets, 1e-6);
+  if (!makeBulletContinuous(set)) GTEST_SKIP() << "Bullet was not found when the tests were built";
+  EXPECT_NEAR(makeBulletContinuous(set)->answer(set.queries[0]).toi_lower, kRodMeets, 1e-3);
+}
+
+TEST(Peers, bear_no_offset_of_the_world) {
+  QuerySet set = headOn(geometry::Mesh{cube()}, geometry::Mesh{cube()});
+  for (Query& query : set.queries) {
+    query.piece.a.c[0] += Vec3(1e8, 0.0, 0.0);
+    query.piece.b.c[0] += Vec3(1e8, 0.0, 0.0);
+  }
+  check(set, makeFclAdvancement(set), 0.375, 3e-6, 0.0);
 }
 
 }  // namespace

@@ -49,9 +49,6 @@ inline std::shared_ptr<Scene> sceneOf(std::vector<Object> objects) {
   auto scene = std::make_shared<Scene>();
   scene->file = "test.yaml";
   scene->objects = std::move(objects);
-  const int count = static_cast<int>(scene->objects.size());
-  for (int a = 0; a < count; ++a)
-    for (int b = a + 1; b < count; ++b) scene->pairs.push_back({a, 0, b, 0, 0.0});
   return scene;
 }
 
@@ -144,10 +141,11 @@ struct Rig {
             [advances](const geometry::Body&, const geometry::Body&, const impact::PairOptions&) {
               return std::make_unique<LineMethod>(advances);
             }) {}
-  Rig(std::shared_ptr<const Scene> scene, const Engine::MethodFactory& factory)
-      : engine(std::move(scene), factory, sinks()) {}
-  Rig(std::shared_ptr<const Scene> scene, impact::MethodName method)
-      : engine(std::move(scene), method, sinks()) {}
+  Rig(std::shared_ptr<const Scene> scene, const Engine::MethodFactory& factory,
+      const EngineOptions& options = {true, 1})
+      : engine(std::move(scene), factory, sinks(), options) {}
+  Rig(std::shared_ptr<const Scene> scene, impact::MethodName method, const EngineOptions& options = {})
+      : engine(std::move(scene), method, sinks(), options) {}
 
   Engine::Sinks sinks() {
     return {[this](const Event& event) { events.push_back(event); },

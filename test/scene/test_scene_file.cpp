@@ -104,8 +104,9 @@ TEST_F(SceneFile, DefaultsHoldWhenNothingIsSaid) {
   EXPECT_EQ(scene->time_precision, defaults.time_precision);
   EXPECT_EQ(scene->time.timeout, defaults.time.timeout);
   EXPECT_EQ(scene->node_budget, defaults.node_budget);
-  ASSERT_EQ(scene->pairs.size(), 1u);
-  EXPECT_EQ(scene->pairs[0].contact_distance, 0.0);
+  const auto pairs = scene->pairs.list(scene->objects);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].contact_distance, 0.0);
 }
 
 TEST_F(SceneFile, UrdfLinksSitInTheObjectsFrame) {

@@ -15,7 +15,7 @@ class ScenePairs : public test_support::SceneTest {
  protected:
   std::vector<std::string> watched(const Scene& scene) {
     std::vector<std::string> names;
-    for (const LinkPair& pair : scene.pairs) {
+    for (const LinkPair& pair : scene.pairs.list(scene.objects)) {
       const Object& a = scene.objects.at(pair.object_a);
       const Object& b = scene.objects.at(pair.object_b);
       names.push_back(a.name + "/" + a.links.at(pair.link_a).name + " " + b.name + "/" +
@@ -24,9 +24,17 @@ class ScenePairs : public test_support::SceneTest {
     return names;
   }
   static std::string reason(const Scene& scene, const std::string& a, const std::string& b) {
-    for (std::size_t i = 0; i < scene.unwatched.size(); ++i) {
-      if (scene.unwatched[i] == std::make_pair(a, b)) return scene.unwatched_reasons.at(i);
+    const auto nameOf = [&](int object, int link) {
+      return scene.objects[object].name + "/" + scene.objects[object].links[link].name;
+    };
+    for (const auto& [objects, verdicts] : scene.pairs.exceptions()) {
+      for (const PairVerdict& verdict : verdicts) {
+        const LinkPair& pair = verdict.pair;
+        if (nameOf(pair.object_a, pair.link_a) == a && nameOf(pair.object_b, pair.link_b) == b)
+          return verdict.against;
+      }
     }
+    if (!scene.pairs.watchesRest()) return scene.pairs.reasonAgainstRest();
     return "watched or unknown";
   }
   std::string fault(const std::string& pairs) { return refusal(kObjects + "pairs: " + pairs + "\n"); }
@@ -41,7 +49,7 @@ TEST_F(ScenePairs, EveryLinkWithAShapeAgainstEveryOtherObjectInByteOrder) {
                                     "robot/arm twin/arm", "robot/arm twin/base", "robot/arm twin/tool",
                                     "robot/base twin/arm", "robot/base twin/base", "robot/base twin/tool",
                                     "robot/tool twin/arm", "robot/tool twin/base", "robot/tool twin/tool"}));
-  EXPECT_EQ(scene->unwatched.size(), 6u);
+  EXPECT_EQ(scene->pairs.exceptions().size(), 2u);
   EXPECT_EQ(reason(*scene, "robot/arm", "robot/base"), "neighbours in the URDF");
   EXPECT_EQ(reason(*scene, "robot/base", "robot/tool"), "links of one object, pairs/self is not true");
 }
@@ -89,10 +97,11 @@ pairs:
     - {pair: [robot, ball], contact_distance: 0.25}
     - {pair: [ball, robot/tool], contact_distance: 0}
 )");
-  ASSERT_EQ(scene->pairs.size(), 4u);
-  EXPECT_EQ(scene->pairs[0].contact_distance, 0.25);  // robot/arm
-  EXPECT_EQ(scene->pairs[2].contact_distance, 0.0);   // robot/tool
-  EXPECT_EQ(scene->pairs[3].contact_distance, 0.5);   // twin/arm
+  const auto pairs = scene->pairs.list(scene->objects);
+  ASSERT_EQ(pairs.size(), 4u);
+  EXPECT_EQ(pairs[0].contact_distance, 0.25);  // robot/arm
+  EXPECT_EQ(pairs[2].contact_distance, 0.0);   // robot/tool
+  EXPECT_EQ(pairs[3].contact_distance, 0.5);   // twin/arm
 }
 
 TEST_F(ScenePairs, FaultsNameWhatIsKnown) {

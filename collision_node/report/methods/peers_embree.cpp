@@ -1,10 +1,10 @@
-#include "collision_node/report/peers.h"
+#include "collision_node/report/methods/peers.h"
 
 #ifdef COLLISION_NODE_HAS_EMBREE
 
 #include <embree3/rtcore.h>
 
-#include "collision_node/report/peer_models.h"
+#include "collision_node/report/methods/peer_models.h"
 
 namespace collision_node::report {
 namespace {
@@ -12,7 +12,9 @@ namespace {
 class EmbreeRays : public Contestant {
  public:
   explicit EmbreeRays(const QuerySet& set)
-      : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
+      : device_(rtcNewDevice("threads=1")),
+        scene_(rtcNewScene(device_)),
+        time_rounding_(set.queries.empty() ? 0.0 : 1e-6 * durationOf(set.queries[0].piece)) {
     const geometry::TriangleMesh& mesh = *only<geometry::Mesh>(*set.bodies[0])->mesh;
     const RTCGeometry triangles = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(
@@ -40,10 +42,10 @@ class EmbreeRays : public Contestant {
   EmbreeRays& operator=(const EmbreeRays&) = delete;
 
   std::string name() const override { return "Embree, robust"; }
-  double timeRounding() const override { return kFrame * 1e-6; }
+  double timeRounding() const override { return time_rounding_; }
 
   Answer answer(const Query& query) override {
-    const Path path = pathBesideRest(query.piece);
+    const Path path = relativePath(query.piece);
     const geometry::Vec3 travel = path.end - path.start;
     RTCRayHit ray;
     ray.ray.org_x = static_cast<float>(path.start.x());
@@ -62,22 +64,24 @@ class EmbreeRays : public Contestant {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene_, &context, &ray);
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {Verdict::kClear, 0.0, 0.0, 0.0};
-    const double t = durationOf(query.piece) * static_cast<double>(ray.ray.tfar);
-    return {Verdict::kHit, t, t, 0.0};
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return clear();
+    const double share = static_cast<double>(ray.ray.tfar);
+    Answer answer = hitAt(durationOf(query.piece) * share);
+    answer.point = query.piece.a.c[0] + placeA(query.piece, answer.toi_lower) * (path.start + share * travel);
+    return answer;
   }
 
  private:
-  static constexpr double kFrame = 1.0 / 30.0;  // [s] the pieces of particleShots()
   RTCDevice device_;
   RTCScene scene_;
+  double time_rounding_;
 };
 
 }  // namespace
 
 ContestantPtr makeEmbreeRays(const QuerySet& set) {
   if (set.bodies.size() != 2 || !only<geometry::Mesh>(*set.bodies[0]) ||
-      !only<geometry::Point>(*set.bodies[1])) {
+      !only<geometry::Point>(*set.bodies[1]) || !translates(set)) {
     return nullptr;
   }
   return std::make_unique<EmbreeRays>(set);

@@ -1,4 +1,4 @@
-#include "collision_node/report/peers.h"
+#include "collision_node/report/methods/peers.h"
 
 #ifdef COLLISION_NODE_HAS_FCL
 
@@ -11,10 +11,12 @@
 #include <fcl/narrowphase/continuous_collision.h>
 #include <fcl/narrowphase/distance.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
-#include "collision_node/report/peer_models.h"
+#include "collision_node/report/methods/peer_models.h"
 
 namespace collision_node::report {
 namespace {
@@ -54,9 +56,15 @@ fcl::Transform3d transform(const geometry::Pose& pose) {
   return result;
 }
 
+/// A mesh or a primitive.
+template <typename Box>
+GeometryPtr anyModel(const geometry::Body& body) {
+  const GeometryPtr model = primitiveModel(body);
+  return model ? model : meshModel<Box>(body);
+}
+
 /// Only the constructor that names the turning point sets every member and the velocities (FCL 0.7).
-fcl::InterpMotion<double> motionOf(const motion::RigidMotion& motion, double duration) {
-  const fcl::Transform3d from = transform(motion.at(0.0)), to = transform(motion.at(duration));
+fcl::InterpMotion<double> motionOf(const fcl::Transform3d& from, const fcl::Transform3d& to) {
   fcl::InterpMotion<double> result(from.linear(), from.translation(), to.linear(), to.translation(),
                                    Vec3::Zero());
   result.integrate(0.0);
@@ -82,31 +90,73 @@ class FclModels : public Contestant {
 
 class FclAdvancement : public FclModels {
  public:
-  explicit FclAdvancement(const QuerySet& set) : FclModels(set, meshModel<fcl::RSSd>) {}
+  FclAdvancement(const QuerySet& set, GeometryPtr (*model)(const geometry::Body&), double gap)
+      : FclModels(set, model), gap_(gap), request_(false) {
+    request_.distance_tolerance = std::min(request_.distance_tolerance, 0.1 * gap);
+  }
 
   std::string name() const override { return "fcl::distance advancement"; }
-  double stopsAtGap() const override { return kGap; }
+  double stopsAtGap() const override { return gap_; }
 
   Answer answer(const Query& query) override {
     const impact::Piece& piece = query.piece;
     const double end = durationOf(piece);
-    const double speed = (piece.b.c[1] - piece.a.c[1]).norm() +
-                         piece.a.omega.norm() * set_.bodies[query.a]->reach() +
+    const double speed = originSpeed(piece, end) + piece.a.omega.norm() * set_.bodies[query.a]->reach() +
                          piece.b.omega.norm() * set_.bodies[query.b]->reach();
-    for (double t = 0.0; t <= end;) {
+    double t = 0.0;
+    for (int step = 0; t <= end; ++step) {
+      if (step == kMostSteps) return Answer();
       fcl::DistanceResultd result;
-      const double gap = fcl::distance(models_[query.a].get(), transform(piece.a.at(t)),
-                                       models_[query.b].get(), transform(piece.b.at(t)), request_, result);
-      if (gap <= kGap) return {Verdict::kHit, t, t, 0.0};
+      const double gap = fcl::distance(models_[query.a].get(), transform(placeA(piece, t)),
+                                       models_[query.b].get(), transform(placeB(piece, t)), request_, result);
+      if (gap <= gap_) return hitAt(t);
       if (speed == 0.0) break;
       t += gap / speed;
     }
-    return {Verdict::kClear, 0.0, 0.0, 0.0};
+    return clear();
   }
 
  private:
-  static constexpr double kGap = 1e-5;  // [m]
-  fcl::DistanceRequestd request_{false};
+  static constexpr int kMostSteps = 20000;  // then it has no answer
+
+  /// Bound of the relative speed of the origins on the piece.
+  static double originSpeed(const impact::Piece& piece, double end) {
+    const double a = leadOf(piece.a, piece), b = leadOf(piece.b, piece);
+    return (piece.b.velocity(b) - piece.a.velocity(a)).norm() +
+           end * (bend(piece.a, a + end) + bend(piece.b, b + end));
+  }
+  /// Bound of the acceleration until then.
+  static double bend(const motion::RigidMotion& motion, double s) {
+    return isStraight(motion) ? 0.0 : 2.0 * motion.c[2].norm() + 6.0 * s * motion.c[3].norm();
+  }
+
+  double gap_;  // [m]
+  fcl::DistanceRequestd request_;
+};
+
+/// fcl::collide at equal steps: what CCDC_NAIVE does, for any motion.
+class FclSamples : public FclModels {
+ public:
+  FclSamples(const QuerySet& set, int steps) : FclModels(set, anyModel<fcl::OBBRSSd>), steps_(steps) {}
+
+  std::string name() const override { return "FCL naive " + std::to_string(steps_); }
+
+  Answer answer(const Query& query) override {
+    const double end = durationOf(query.piece);
+    for (int i = 0; i <= steps_; ++i) {
+      const double t = end * i / steps_;
+      fcl::CollisionResultd result;
+      if (fcl::collide(models_[query.a].get(), transform(placeA(query.piece, t)), models_[query.b].get(),
+                       transform(placeB(query.piece, t)), request_, result) > 0) {
+        return hitAt(t);
+      }
+    }
+    return clear();
+  }
+
+ private:
+  int steps_;
+  fcl::CollisionRequestd request_;
 };
 
 /// FCL's continuousCollide with one of its solvers.
@@ -124,16 +174,26 @@ class FclContinuous : public FclModels {
   double timeRounding() const override { return time_rounding_; }
 
   Answer answer(const Query& query) override {
-    const double end = durationOf(query.piece);
-    const fcl::InterpMotion<double> a = motionOf(query.piece.a, end), b = motionOf(query.piece.b, end);
-    fcl::ContinuousCollisionResultd result;
-    fcl::continuousCollide(models_[query.a].get(), &a, models_[query.b].get(), &b, request_, result);
-    if (!result.is_collide) return {Verdict::kClear, 0.0, 0.0, 0.0};
-    const double t = end * result.time_of_contact;
-    return {Verdict::kHit, t, t, 0.0};
+    const impact::Piece& piece = query.piece;
+    const double end = durationOf(piece);
+    const double turn = end * std::max(piece.a.omega.norm(), piece.b.omega.norm());
+    const int parts = std::max(1, static_cast<int>(std::ceil(turn / kMostTurn)));
+    for (int i = 0; i < parts; ++i) {
+      const double from = end * i / parts, to = end * (i + 1) / parts;
+      const fcl::InterpMotion<double> a =
+          motionOf(transform(placeA(piece, from)), transform(placeA(piece, to)));
+      const fcl::InterpMotion<double> b =
+          motionOf(transform(placeB(piece, from)), transform(placeB(piece, to)));
+      fcl::ContinuousCollisionResultd result;
+      fcl::continuousCollide(models_[query.a].get(), &a, models_[query.b].get(), &b, request_, result);
+      if (result.is_collide) return hitAt(from + (to - from) * result.time_of_contact);
+    }
+    return clear();
   }
 
  private:
+  static constexpr double kMostTurn =
+      3.14159;  // [rad] below half a turn: its motions take the shorter way round
   fcl::ContinuousCollisionRequestd request_;
   double time_rounding_;
 };
@@ -147,13 +207,20 @@ ContestantPtr make(Arguments&&... arguments) {
 
 }  // namespace
 
-ContestantPtr makeFclAdvancement(const QuerySet& set) { return make<FclAdvancement>(set); }
+ContestantPtr makeFclAdvancement(const QuerySet& set, double gap) {
+  ContestantPtr meshes = make<FclAdvancement>(set, meshModel<fcl::RSSd>, gap);
+  return meshes ? std::move(meshes) : make<FclAdvancement>(set, anyModel<fcl::RSSd>, gap);
+}
+
+ContestantPtr makeFclSamples(const QuerySet& set, int steps) { return make<FclSamples>(set, steps); }
 
 ContestantPtr makeFclSampling(const QuerySet& set) {
+  if (!isStraight(set)) return nullptr;
   return make<FclContinuous>(set, meshModel<fcl::OBBRSSd>, fcl::CCDC_NAIVE, 0.0);
 }
 
 ContestantPtr makeFclPrimitives(const QuerySet& set) {
+  if (!isStraight(set)) return nullptr;
   return make<FclContinuous>(set, primitiveModel, fcl::CCDC_CONSERVATIVE_ADVANCEMENT,
                              std::numeric_limits<double>::infinity());
 }
@@ -163,7 +230,8 @@ ContestantPtr makeFclPrimitives(const QuerySet& set) {
 #else
 
 namespace collision_node::report {
-ContestantPtr makeFclAdvancement(const QuerySet&) { return nullptr; }
+ContestantPtr makeFclAdvancement(const QuerySet&, double) { return nullptr; }
+ContestantPtr makeFclSamples(const QuerySet&, int) { return nullptr; }
 ContestantPtr makeFclSampling(const QuerySet&) { return nullptr; }
 ContestantPtr makeFclPrimitives(const QuerySet&) { return nullptr; }
 }  // namespace collision_node::report

@@ -1,0 +1,78 @@
+/// All pairs of a scene that are more than proved apart at a distance: who is awake, who rests, and what has
+/// to be solved when something becomes known.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "collision_node/scene/coverage.h"
+#include "collision_node/scene/event_queue.h"
+#include "collision_node/scene/heartbeat.h"
+#include "collision_node/scene/object_pair.h"
+#include "collision_node/scene/wake_list.h"
+
+namespace collision_node::scene {
+
+class PairTable {
+ public:
+  PairTable(const Scene& scene, const TimeLine& time_line, const Engine::MethodFactory& make_method,
+            const EngineOptions& options);
+
+  void startEpoch();
+  /// The track has released something or changed its status.
+  void note(int track);
+  /// An object has turned out to stand where its track says.
+  void fix(int object);
+
+  /// Solves all that has become known. A frozen object's rest is known up to `rest_known_ns`.
+  void solve(Nanoseconds rest_known_ns, EventQueue& queue);
+  /// Asks the pairs that cannot move against each other, once per epoch.
+  void testStatics(EventQueue& queue);
+  /// The end, for now: what is undecided is published.
+  void finish(EventQueue& queue);
+  /// The end of the epoch; all runs are closed and noted.
+  void end(EventQueue& queue);
+
+  /// The first instant that is still being searched.
+  std::optional<Instant> openSince() const;
+  /// The oldest sample of a track that may still be looked at, when everything before `decided_ns` is known.
+  std::size_t neededSample(int track, Nanoseconds decided_ns);
+
+  const Costs& costs() const { return costs_; }
+  void count(Stats& stats) const;
+  /// A heartbeat has been told.
+  void beat();
+
+ private:
+  void addAllPairs();
+  void addPair(int a, int b);
+  void wakeUp(int track);
+  void makeDue(ObjectPair& pair);
+  void rouse(ObjectPair& pair);
+  void layDown(ObjectPair& pair);
+  void takeAway(ObjectPair& pair, EventQueue& queue);
+  std::size_t settled(int track) const;
+  Nanoseconds settledUntil(int track) const;
+
+  PairWorld world_;
+  Coverage coverage_;
+  PairCounter counter_;
+  std::vector<std::unique_ptr<ObjectPair>> pairs_, statics_;
+  std::vector<std::vector<ObjectPair*>> awake_;  ///< by object
+  std::vector<WakeList> alarms_;                 ///< by object
+  std::vector<ObjectPair*> due_;
+  std::vector<int> freezing_;  ///< objects that may freeze
+  // By object: samples before it are looked at; and those before it are in every proof of a resting pair.
+  std::vector<std::size_t> seen_, settled_;
+  std::vector<int> noted_;  ///< since the last solve()
+  std::vector<char> is_noted_;
+  bool are_fixed_tested_ = false;  ///< pairs of fixed objects have been asked, in this epoch
+  bool untested_ = true;           ///< some static pair has not
+  std::set<std::pair<Instant, ObjectPair*>> open_;
+  Costs costs_;
+};
+
+}  // namespace collision_node::scene

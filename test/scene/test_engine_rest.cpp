@@ -1,0 +1,136 @@
+// Pairs that rest while they are far apart give the answers of pairs that are solved on every piece.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "test/scene/random_scene.h"
+
+namespace collision_node::scene {
+namespace {
+
+constexpr auto kCertified = impact::MethodName::kCertified;
+
+std::uint64_t allBins(const Stats& s) {
+  return s.pairs_culled + s.pairs_clear + s.pairs_impact + s.pairs_undecided + s.pairs_uncovered;
+}
+
+/// What must be the same whether pairs rest or not: all but what is culled and what is clear, and the cost.
+std::string text(const Stats& s) {
+  std::ostringstream out;
+  out << "epoch " << s.epoch << " at " << s.stamp_ns << " watermark " << s.watermark_ns << " apart "
+      << s.pairs_culled + s.pairs_clear << " impact " << s.pairs_impact << " undecided " << s.pairs_undecided
+      << " uncovered " << s.pairs_uncovered << " holes " << s.holes << std::hexfloat << " bracket "
+      << s.worst_bracket << " ball " << s.worst_position_error;
+  for (const std::string& name : s.uncovered_objects) out << ' ' << name;
+  return out.str();
+}
+
+std::vector<std::string> texts(const std::vector<Stats>& beats) {
+  std::vector<std::string> out;
+  for (const Stats& beat : beats) out.push_back(text(beat));
+  return out;
+}
+
+struct Tally {
+  std::size_t events = 0, beats = 0;
+  std::uint64_t uncovered = 0, undecided = 0, impact = 0, tests = 0, tests_of_all = 0;
+};
+
+void compare(unsigned seed, int objects, Tally& tally) {
+  SCOPED_TRACE("seed " + std::to_string(seed) + ", " + std::to_string(objects) + " objects");
+  const RandomScene random(seed, objects);
+  Rig planned(random.scene, kCertified), all(random.scene, kCertified, {true, 1});
+  random.play(planned);
+  random.play(all);
+  EXPECT_EQ(texts(planned.events), texts(all.events));
+  EXPECT_EQ(texts(planned.beats), texts(all.beats));
+  const std::uint64_t pairs = random.scene->pairs.count(random.scene->objects);
+  for (const Stats& beat : planned.beats) {
+    EXPECT_EQ(allBins(beat), pairs);
+    tally.uncovered += beat.pairs_uncovered;
+    tally.undecided += beat.pairs_undecided;
+    tally.impact += beat.pairs_impact;
+  }
+  tally.events += planned.events.size();
+  tally.beats += planned.beats.size();
+  tally.tests += planned.engine.stats().node_tests;
+  tally.tests_of_all += all.engine.stats().node_tests;
+}
+
+TEST(EngineRest, RestingPairsChangeNoEventAndNoCountOnRandomScenes) {
+  Tally tally;
+  for (unsigned seed = 1; seed <= 40 && !testing::Test::HasFailure(); ++seed)
+    compare(seed, 2 + static_cast<int>(seed % 9), tally);
+  // The scenes are what they are for.
+  EXPECT_GT(tally.events, 400u);
+  EXPECT_GT(tally.beats, 300u);
+  EXPECT_GT(tally.uncovered, 300u);
+  EXPECT_GT(tally.undecided, 100u);
+  EXPECT_GT(tally.impact, 100u);
+  std::printf("%zu events, %zu heartbeats; node tests %lu, %lu with every pair on every piece\n",
+              tally.events, tally.beats, tally.tests, tally.tests_of_all);
+}
+
+/// Pairs that count how often they are asked.
+Engine::MethodFactory counting(int* advances) {
+  return [advances](const geometry::Body&, const geometry::Body&, const impact::PairOptions&) {
+    return std::make_unique<LineMethod>(advances);
+  };
+}
+
+TEST(EngineRest, AnObjectThatRestsForAHundredSegmentsAndThenFiresIsSeen) {
+  int advances = 0;
+  auto scene = sceneOf({movingSphere("shot"), movingSphere("tank")});
+  Rig rig(scene, counting(&advances), {});
+  for (Nanoseconds t = 0; t <= 10000; t += 100) {
+    rig.engine.addPose(0, poseAt(t, 0.0));
+    rig.engine.addPose(1, poseAt(t, 1000.0));
+  }
+  EXPECT_EQ(advances, 0);
+  for (Nanoseconds t = 10100; t <= 12000; t += 100) {  // 2000 m/s: through the tank in the sixth segment
+    rig.engine.addPose(0, poseAt(t, 2.0 * static_cast<double>(t - 10000)));
+    rig.engine.addPose(1, poseAt(t, 1000.0));
+  }
+  rig.engine.flush();
+  EXPECT_EQ(kinds(rig.events),
+            (std::vector<std::string>{"IMPACT/CONFIRMED/NONE", "SEPARATION/CONFIRMED/NONE"}));
+  EXPECT_EQ(rig.events[0].interval_start_ns, 10400 * kMs);
+  EXPECT_GE(advances, 1);
+  EXPECT_LE(advances, 4);
+}
+
+TEST(EngineRest, WhatIsFarIsNotAskedHoweverLongItFlies) {
+  int advances = 0;
+  auto scene = sceneOf({movingSphere("a"), movingSphere("b"), fixedSphere("c", -50.0)});
+  Rig rig(scene, counting(&advances), {});
+  for (Nanoseconds t = 0; t <= 60000; t += 100) {  // side by side, 10 m apart
+    rig.engine.addPose(0, poseAt(t, 0.01 * static_cast<double>(t)));
+    rig.engine.addPose(1, poseAt(t, 0.01 * static_cast<double>(t) + 10.0));
+  }
+  rig.engine.flush();
+  EXPECT_EQ(advances, 0);
+  EXPECT_TRUE(rig.events.empty());
+  EXPECT_EQ(rig.beats.back().pairs_culled, 3u);
+}
+
+TEST(EngineRest, AResumedObjectThatWasFrozenIsMetFromWhereItComesBack) {
+  for (const bool everything : {false, true}) {
+    auto scene = sceneOf({movingSphere("ball"), movingSphere("clock"), movingSphere("sleeper")});
+    scene->objects[2].on_timeout = OnTimeout::kFreeze;
+    Rig rig(scene, kCertified, {everything, 1});
+    for (Nanoseconds t = 0; t <= 9000; t += 50) {
+      rig.engine.addPose(0, poseAt(t, 0.0));
+      rig.engine.addPose(1, poseAt(t, 500.0));
+      // Silent from 1 s to 6 s; then 100 m nearer, and through the ball.
+      if (t <= 1000 || t >= 6000)
+        rig.engine.addPose(2, poseAt(t, t <= 1000 ? 150.0 : 650.0 - 0.1 * static_cast<double>(t)));
+    }
+    rig.engine.flush();
+    EXPECT_EQ(kinds(rig.events),
+              (std::vector<std::string>{"IMPACT/CONFIRMED/NONE", "SEPARATION/CONFIRMED/NONE"}));
+    EXPECT_EQ(rig.events[0].interval_start_ns, 6450 * kMs);
+  }
+}
+
+}  // namespace
+}  // namespace collision_node::scene
