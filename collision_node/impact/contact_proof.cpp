@@ -454,6 +454,11 @@ bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& t
       std::swap(t[1], t[2]);
       n = -n;
     }
+    // The same triangle again, with either sense, adds nothing.
+    const auto isCorner = [&](const Vec3& v) { return v == t[0] || v == t[1] || v == t[2]; };
+    if (std::any_of(faces.begin(), faces.end(),
+                    [&](const auto& other) { return std::all_of(other.begin(), other.end(), isCorner); }))
+      continue;
     const double edges = (t[1] - t[0]).norm() * (t[2] - t[0]).norm();
     if (!(n.dot(up) > 64.0 * kUnit * edges)) return false;
     const double slack = n.norm() * e + 64.0 * kUnit * edges * size;

@@ -4,6 +4,8 @@
 #include <set>
 #include <utility>
 
+#include "collision_node/scene/fingerprint.h"
+
 namespace collision_node::messages {
 
 TfTree::TfTree(std::string world_frame, const scene::TimeOptions& time, Sink sink)
@@ -223,6 +225,23 @@ void TfTree::addMoving(const std::string& parent, const std::string& child, cons
   edge.kept.push_back(sample);
   // The chain can only have become complete with a new edge.
   if (is_new) resolveAll();
+}
+
+void TfTree::describe(scene::Fingerprint& to) const {
+  for (const auto& follower : followers_) {
+    to.add(follower.resolved);
+    for (const auto* part : {&follower.up, &follower.down}) {
+      for (const auto& child : *part) {
+        const Edge& edge = edges_.at(child);
+        to.add(child);
+        to.add(edge.parent);
+        to.add(edge.is_static);
+        if (edge.is_static) to.add(edge.pose);
+        to.add(conflicts_.count(child));
+      }
+    }
+    if (follower.path) follower.path->describe(to);
+  }
 }
 
 std::vector<std::string> TfTree::unresolved() const {

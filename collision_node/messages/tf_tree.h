@@ -60,6 +60,9 @@ class TfTree {
   /// /clock went back: composed paths hand out what they have and begin anew.
   void clockWentBack();
 
+  /// All that the poses it hands out later depend on, of frames whose chain is known.
+  void describe(scene::Fingerprint& to) const;
+
   /// Labels of followed frames whose chain to the world is not known yet.
   std::vector<std::string> unresolved() const;
   /// Every frame seen, in byte order.

@@ -9,12 +9,16 @@ const char* const kUsage = R"(replay: finds the impacts in recorded poses; needs
 
   replay scene.yaml in.bag [more.bag ...] [options]
   replay scene.yaml --plan
+  replay merge a.jsonl b.jsonl ... [--jsonl FILE]
 
   --jsonl FILE   one JSON object per event and line; "-" is standard output (then no table is printed)
   --csv FILE     the same as CSV
   --out FILE     a bag (lz4) with impacts, markers, stats and plan under /collision_node/, and the input poses
-  --from S       start S seconds (receive time) after the first message of the bags
-  --to S         end S seconds after the first message of the bags
+  --from S       only what the messages received from S seconds after the first one on say
+  --to S         only what the messages received before S seconds after the first one say; with either, the JSON
+                 lines begin and end with the contacts open there, and `replay merge` joins adjoining windows
+  --lead S       read at least so many seconds before --from, to know what counts there (default: what the
+                 scene's times ask for, and more where that does not tell; merge says when it was too little)
   --plan         print what the scene becomes: objects, pairs, solvers, what is left out and why
   --method M     certified (default), paper_a or paper_b
   --threads N    how many threads may work; the answers do not depend on it
@@ -22,7 +26,8 @@ const char* const kUsage = R"(replay: finds the impacts in recorded poses; needs
   --ns NS        namespace of the scene's relative topics (default /)
   --help         this text
 
-Exit code: 0 done, 2 bad input, 3 some query met its budget (its event says so).
+Ctrl-C ends the window there: what is decided is written. A second one gives up.
+Exit code: 0 done, 2 bad input, 3 some query met its budget (its event says so), 130 interrupted.
 )";
 
 namespace {
@@ -33,8 +38,7 @@ double seconds(const std::string& option, const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   if (text.empty() || *end != '\0' || !(value >= 0.0 && value <= kLongest))
-    throw InputError(option + " '" + text +
-                     "': must be a number of seconds from 0 to 1e9 after the first message");
+    throw InputError(option + " '" + text + "': must be a number of seconds from 0 to 1e9");
   return value;
 }
 
@@ -82,6 +86,8 @@ Options parseOptions(const std::vector<std::string>& arguments) {
       out.out = fileName(value());
     } else if (name == "--from") {
       out.from = seconds(name, value());
+    } else if (name == "--lead") {
+      out.lead = seconds(name, value());
     } else if (name == "--to") {
       out.to = seconds(name, value());
     } else if (name == "--method") {

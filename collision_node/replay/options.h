@@ -16,7 +16,8 @@ struct Options {
   std::string jsonl;  ///< "" none, "-" standard output
   std::string csv;
   std::string out;                 ///< result bag
-  std::optional<double> from, to;  ///< [s] of receive time after the first message of the bags
+  std::optional<double> from, to;  ///< [s] of receive time after the first message: the window [from, to)
+  double lead = 0.0;               ///< [s] how far before `from` is read at least
   bool plan = false;
   impact::MethodName method = impact::MethodName::kCertified;
   int threads = 1;  ///< a wish; the answers never depend on it

@@ -46,19 +46,6 @@ std::unique_ptr<PendingFile> pending(const std::string& name, const Options& opt
   return std::make_unique<PendingFile>(name, inputs, others);
 }
 
-void openText(std::ofstream& stream, const PendingFile* file) {
-  if (file == nullptr) return;
-  stream.open(file->path(), std::ios::binary | (file->isStream() ? std::ios::app : std::ios::trunc));
-  if (!stream) throw InputError(file->path() + ": cannot be written");
-}
-
-void finishText(std::ofstream& stream, PendingFile* file) {
-  if (file == nullptr) return;
-  stream.close();
-  if (!stream) throw InputError(file->path() + ": could not be written whole (disk full?)");
-  file->keep();
-}
-
 std::string sideText(const scene::EventSide& side) {
   std::string out = side.object;
   if (!side.link.empty() && side.link != side.object) out += "/" + side.link;
@@ -83,8 +70,8 @@ Outputs::Outputs(const Options& options, std::shared_ptr<const scene::Scene> sce
     throw InputError("--csv and --out need a file name; only --jsonl can go to standard output (-)");
   if (bag_file_ && bag_file_->isStream())
     throw InputError(options.out + ": is no regular file; a bag is written back and forth and needs one");
-  openText(json_, json_file_.get());
-  openText(csv_, csv_file_.get());
+  if (json_file_) openText(json_, *json_file_);
+  if (csv_file_) openText(csv_, *csv_file_);
   if (csv_file_) csv_ << messages::csvHeader() << '\n';
   if (bag_file_) {
     try {
@@ -129,21 +116,25 @@ ros::Time Outputs::receiveTime(std::uint32_t epoch, motion::Nanoseconds stamp_ns
   return std::max(messages::toTime(clock_.at(epoch, stamp_ns)), first_);
 }
 
-void Outputs::event(const scene::Event& event) {
+void Outputs::jsonLine(const std::string& line) {
+  if (json_to_standard_output_) standard_output_ << line << '\n';
+  if (json_file_) json_ << line << '\n';
+}
+
+void Outputs::event(const scene::Event& event, std::uint32_t own_epoch) {
   if (table_) row(event);
   ++events_;
-  if (json_to_standard_output_) standard_output_ << messages::toJson(event, scene_->world_frame) << '\n';
-  if (json_file_) json_ << messages::toJson(event, scene_->world_frame) << '\n';
+  if (json_to_standard_output_ || json_file_) jsonLine(messages::toJson(event, scene_->world_frame));
   if (csv_file_) csv_ << messages::toCsv(event, scene_->world_frame) << '\n';
   if (!bag_file_) return;
-  const ros::Time time = receiveTime(event.epoch, event.stamp_ns);
+  const ros::Time time = receiveTime(own_epoch, event.stamp_ns);
   bag_.write(kImpacts, time, toMessage(event, scene_->world_frame));
   bag_.write(kMarkers, time, markers_.event(event));
 }
 
-void Outputs::stats(const scene::Stats& stats) {
+void Outputs::stats(const scene::Stats& stats, std::uint32_t own_epoch) {
   if (bag_file_)
-    bag_.write(kStats, receiveTime(stats.epoch, stats.stamp_ns), toMessage(stats, scene_->world_frame));
+    bag_.write(kStats, receiveTime(own_epoch, stats.stamp_ns), toMessage(stats, scene_->world_frame));
 }
 
 void Outputs::row(const scene::Event& event) {
@@ -166,15 +157,18 @@ void Outputs::row(const scene::Event& event) {
 }
 
 void Outputs::end() {
-  finishText(json_, json_file_.get());
-  finishText(csv_, csv_file_.get());
-  if (!bag_file_) return;
-  try {
-    bag_.close();
-  } catch (const rosbag::BagException& error) {
-    throw InputError(bag_file_->path() + ": could not be written whole (" + error.what() + ")");
+  if (json_file_) finishText(json_, *json_file_);
+  if (csv_file_) finishText(csv_, *csv_file_);
+  if (bag_file_) {
+    try {
+      bag_.close();
+    } catch (const rosbag::BagException& error) {
+      throw InputError(bag_file_->path() + ": could not be written whole (" + error.what() + ")");
+    }
+    bag_file_->keep();
   }
-  bag_file_->keep();
+  standard_output_.flush();
+  if (!standard_output_) throw InputError("standard output: could not be written whole (disk full?)");
 }
 
 }  // namespace collision_node::replay

@@ -32,8 +32,11 @@ class Outputs {
   /// distance between stamps and receive times, by which events are placed among the inputs.
   void input(const BagInput::Message& message);
   void poseSeen(motion::Nanoseconds received_ns, motion::Nanoseconds stamp_ns);
-  void event(const scene::Event& event);
-  void stats(const scene::Stats& stats);
+  /// A line that is no event, among the JSON lines.
+  void jsonLine(const std::string& line);
+  /// `own_epoch`: as the poses seen have it.
+  void event(const scene::Event& event, std::uint32_t own_epoch);
+  void stats(const scene::Stats& stats, std::uint32_t own_epoch);
   /// Finishes and names all files. Throws InputError when one cannot be written whole.
   void end();
 

@@ -66,4 +66,15 @@ void PendingFile::keep() {
   if (fault) throw InputError(name_ + ": cannot be written (" + fault.message() + ")");
 }
 
+void openText(std::ofstream& stream, const PendingFile& file) {
+  stream.open(file.path(), std::ios::binary | (file.isStream() ? std::ios::app : std::ios::trunc));
+  if (!stream) throw InputError(file.path() + ": cannot be written");
+}
+
+void finishText(std::ofstream& stream, PendingFile& file) {
+  stream.close();
+  if (!stream) throw InputError(file.path() + ": could not be written whole (disk full?)");
+  file.keep();
+}
+
 }  // namespace collision_node::replay

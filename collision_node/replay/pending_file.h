@@ -1,6 +1,7 @@
 /// Result files that appear under their names only when they are whole.
 #pragma once
 
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -37,5 +38,10 @@ class PendingFile {
   std::string part_;
   bool is_stream_ = false;
 };
+
+/// Opens the file for text. Throws InputError.
+void openText(std::ofstream& stream, const PendingFile& file);
+/// Closes it and gives it its name. Throws InputError when it could not be written whole.
+void finishText(std::ofstream& stream, PendingFile& file);
 
 }  // namespace collision_node::replay

@@ -112,6 +112,8 @@ def error_time(folder, name, scenes):
         families |= panel(axes, scene, rows)
     for axes in grid[-1]:
         axes.set_xlabel('worst error of the time of impact [s]')
+    for axes in grid.flat[len(scenes):]:
+        axes.set_visible(False)
     for axes in grid[:, 0]:
         axes.set_ylabel('median CPU time per query [s]')
     figure.tight_layout(rect=(0, below / (3.6 * lines + below), 1, 1))

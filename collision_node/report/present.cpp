@@ -18,11 +18,11 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Beside the installed program, else in the sources.
-std::string script() {
-  const fs::path self = fs::canonical("/proc/self/exe"), beside = self.parent_path() / "present.py";
+std::string pathOf(const std::string& script) {
+  const fs::path self = fs::canonical("/proc/self/exe"), beside = self.parent_path() / script;
   if (fs::exists(beside)) return beside.string();
-  return messages::makeResources(self.string()).package_path("collision_node") +
-         "/collision_node/report/present.py";
+  return messages::makeResources(self.string()).package_path("collision_node") + "/collision_node/report/" +
+         script;
 }
 
 }  // namespace
@@ -37,9 +37,9 @@ void writeFile(const std::string& path, const std::function<void(std::ostream&)>
   if (!file) throw std::runtime_error(path + ": cannot be written");
 }
 
-void present(const std::string& folder, std::ostream& out) {
+void present(const std::string& folder, std::ostream& out, const std::string& script) {
   out.flush();
-  std::string python = "/usr/bin/python3", file = script(), where = folder;
+  std::string python = "/usr/bin/python3", file = pathOf(script), where = folder;
   char* arguments[] = {python.data(), file.data(), where.data(), nullptr};
   pid_t child = 0;
   int status = -1;

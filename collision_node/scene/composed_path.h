@@ -17,6 +17,8 @@
 
 namespace collision_node::scene {
 
+class Fingerprint;
+
 /// The edges are tracks under the scene's own rules of order, gaps, silence and going back in time; a knot
 /// comes out once every edge has released a pose at its stamp or behind it. Where an edge has a hole the path
 /// has one.
@@ -40,6 +42,8 @@ class ComposedPath {
   void clockWentBack();
   /// The end: hands out all that every edge has delivered. More poses may follow.
   void flush();
+  /// All that the poses it hands out later depend on (cut.cpp).
+  void describe(Fingerprint& to) const;
 
  private:
   void catchUp();

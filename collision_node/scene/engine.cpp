@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "collision_node/scene/event_queue.h"
+#include "collision_node/scene/fingerprint.h"
 #include "collision_node/scene/pair_table.h"
 #include "collision_node/scene/scene_tracks.h"
 #include "collision_node/scene/time_line.h"
@@ -32,6 +33,8 @@ class Engine::Impl {
   void flush();
   void reset();
   Stats stats() const;
+  Cut cut() const;
+  bool hasPublished(std::uint32_t epoch, std::optional<Nanoseconds> stamp_ns) const;
 
  private:
   void catchUp();
@@ -226,6 +229,24 @@ Stats Engine::Impl::stats() const {
   return stats;
 }
 
+Cut Engine::Impl::cut() const {
+  Cut cut;
+  cut.epoch = time_line_.epoch();
+  cut.newest_ns = time_line_.newestInEpoch();
+  if (time_line_.newestReleased()) cut.span_ns = *time_line_.newestReleased() - *time_line_.firstReleased();
+  Fingerprint state;
+  time_line_.describe(state);
+  pairs_.describe(state);
+  cut.is_settled = pairs_.areSettled();
+  cut.state = state.value();
+  return cut;
+}
+
+bool Engine::Impl::hasPublished(std::uint32_t epoch, std::optional<Nanoseconds> stamp_ns) const {
+  if (time_line_.epoch() != epoch) return time_line_.epoch() > epoch;
+  return !stamp_ns || (time_line_.watermark() && instantAt(*stamp_ns) < decidedUpTo());
+}
+
 // ---- the public face
 
 Engine::Engine(std::shared_ptr<const Scene> scene, const MethodFactory& make_method, Sinks sinks,
@@ -252,5 +273,9 @@ void Engine::clockWentBack() { impl_->clockWentBack(); }
 void Engine::flush() { impl_->flush(); }
 void Engine::reset() { impl_->reset(); }
 Stats Engine::stats() const { return impl_->stats(); }
+Cut Engine::cut() const { return impl_->cut(); }
+bool Engine::hasPublished(std::uint32_t epoch, std::optional<Nanoseconds> stamp_ns) const {
+  return impl_->hasPublished(epoch, stamp_ns);
+}
 
 }  // namespace collision_node::scene

@@ -46,6 +46,7 @@ struct Event {
   double closing_speed = 0;
   double model_toi_lower, model_toi_upper, model_position_error;  ///< NaN unless asked
   EventSide a, b;
+  bool opens_contact = false;  ///< a SEPARATION with this contact_id will follow, unless the data end
 };
 
 /// Heartbeat: what has been decided up to `watermark_ns`, and what it cost. Counts are since the last
@@ -74,6 +75,15 @@ struct Stats {
   double worst_bracket = 0;         ///< [s]
   double worst_position_error = 0;  ///< [m]
   double wall_time = 0;             ///< [s] filled by the caller, NaN if not measured
+};
+
+/// A stream of poses, seen from between two of them (docs/decisions/windows.md).
+struct Cut {
+  std::uint32_t epoch = 0;               ///< of the scene
+  std::optional<Nanoseconds> newest_ns;  ///< newest stamp delivered in that epoch
+  Nanoseconds span_ns = 0;               ///< how much of it has been released
+  std::uint64_t state = 0;               ///< fingerprint of all that later events depend on
+  bool is_settled = false;               ///< but for the tracks, nothing from before the first poses counts
 };
 
 /// None of these changes an event.
@@ -124,6 +134,10 @@ class Engine {
   void reset();
 
   Stats stats() const;
+
+  Cut cut() const;
+  /// Every event of earlier epochs, and of `epoch` up to and including `stamp_ns`, has been published.
+  bool hasPublished(std::uint32_t epoch, std::optional<Nanoseconds> stamp_ns) const;
 
  private:
   class Impl;

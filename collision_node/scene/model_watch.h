@@ -14,6 +14,8 @@
 
 namespace collision_node::scene {
 
+class Fingerprint;
+
 class ModelWatch {
  public:
   /// What the model's error makes of one event; NaN where there is no bound.
@@ -48,6 +50,13 @@ class ModelWatch {
   /// Lower end of a bracket that is still being searched.
   std::optional<Instant> openSince() const;
   bool isUndecided() const { return state_.phase == impact::PairState::Phase::kUndecided; }
+  /// No approach is under way.
+  bool isApart() const {
+    return approaches_.empty() && contacts_.empty() &&
+           (!runs_ || state_.phase == impact::PairState::Phase::kApart);
+  }
+  /// All that what it says later depends on (cut.cpp).
+  void describe(Fingerprint& to) const;
 
  private:
   struct Approach {

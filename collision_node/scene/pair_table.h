@@ -16,6 +16,8 @@
 
 namespace collision_node::scene {
 
+class Fingerprint;
+
 class PairTable {
  public:
   PairTable(const Scene& scene, const TimeLine& time_line, const Engine::MethodFactory& make_method,
@@ -40,6 +42,11 @@ class PairTable {
   std::optional<Instant> openSince() const;
   /// The oldest sample of a track that may still be looked at, when everything before `decided_ns` is known.
   std::size_t neededSample(int track, Nanoseconds decided_ns);
+
+  /// All that what the pairs say later depends on (cut.cpp).
+  void describe(Fingerprint& to) const;
+  /// Nothing any pair says later depends on what was before its first piece.
+  bool areSettled() const;
 
   const Costs& costs() const { return costs_; }
   void count(Stats& stats) const;

@@ -66,6 +66,9 @@ void PairWatch::advance(const Step& step, Outbox& outbox, Costs& costs) {
   const impact::Answer answer = seems_clear && model_.isUndecided() ? impact::Answer::kUndecided : last_;
   worst_ = worst_ ? std::max(*worst_, answer) : answer;
 
+  has_advanced_ = true;
+  if (state_.phase == Phase::kApart && model_.isApart()) knows_origin_ = true;
+
   // An event whose bracket opened on an earlier piece carries what was wrong there too.
   const Context here = contextOf(step);
   const Context carried{worseDoubt(bracket_.doubt, here.doubt), std::max(bracket_.speed_a, here.speed_a),
@@ -101,6 +104,7 @@ void PairWatch::startOver() {
 
 void PairWatch::skip() {
   forgetContact();
+  knows_origin_ = true;
   last_ = impact::Answer::kCulled;
   if (!worst_) worst_ = last_;
 }
@@ -110,7 +114,14 @@ bool PairWatch::isQuiet() const {
   return is_apart && waiting_.empty() && !model_.isUndecided() && !model_.openSince();
 }
 
+bool PairWatch::isPlain() const { return isQuiet() && !contact_ && model_.isApart(); }
+
+bool PairWatch::isSettled() const {
+  return knows_origin_ || (state_.phase != Phase::kUndecided && model_.isApart());
+}
+
 void PairWatch::forgetContact() {
+  knows_origin_ = has_advanced_;
   state_ = impact::PairState();
   bracket_ = Context();
   contact_.reset();
@@ -144,6 +155,7 @@ PairWatch::Context PairWatch::contextOf(const Step& step) const {
 
 void PairWatch::publish(const impact::PairEvent& event, const Context& context) {
   waiting_.push_back({event, makeEvent(event, context), contactOf(event)});
+  waiting_.back().event.opens_contact = contact_ == waiting_.back().contact;
   model_.note(event);
 }
 
@@ -210,14 +222,15 @@ Event PairWatch::makeEvent(const impact::PairEvent& from, const Context& context
   return event;
 }
 
-/// A POSSIBLE impact is published alone: it neither opens a contact nor ends one.
+/// A POSSIBLE impact is published alone: it neither opens a contact nor ends one. Those of a comparison
+/// method have no separations.
 std::shared_ptr<ContactNumber> PairWatch::contactOf(const impact::PairEvent& event) {
   if (event.kind == impact::Kind::kSeparation) {
     if (contact_) return std::exchange(contact_, nullptr);
     return std::make_shared<ContactNumber>();
   }
   auto opened = std::make_shared<ContactNumber>();
-  if (event.certificate != impact::Certificate::kPossible) contact_ = opened;
+  if (event.certificate == impact::Certificate::kConfirmed) contact_ = opened;
   return opened;
 }
 

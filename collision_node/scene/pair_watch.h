@@ -54,6 +54,14 @@ class PairWatch {
   PairRank rank() const { return rank_; }
   const LinkPair& pair() const { return pair_; }
 
+  /// Apart or new, and nothing more is to be known of it.
+  bool isPlain() const;
+  /// Nothing it says later depends on what was before its first piece: it has been apart since, or begun
+  /// anew; or is in a contact, of which only the fact counts.
+  bool isSettled() const;
+  /// All that what it says later depends on (cut.cpp).
+  void describe(Fingerprint& to) const;
+
  private:
   /// Why a bracket may not be certified, and how fast the two links may move while it lasts.
   struct Context {
@@ -85,6 +93,8 @@ class PairWatch {
   std::shared_ptr<ContactNumber> contact_;
   ModelWatch model_;
   std::deque<Waiting> waiting_;
+  bool has_advanced_ = false;
+  bool knows_origin_ = false;  ///< has been apart, or begun anew, since the first piece
   std::optional<impact::Answer> worst_;
   impact::Answer last_ = impact::Answer::kCulled;
 };

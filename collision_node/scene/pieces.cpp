@@ -41,7 +41,7 @@ bool PieceCursor::findStart(const Track& a, const Track& b) {
     const bool b_over = isOver(reach_b, start);
     if (!a_over && !b_over) {
       if (reach_a.what == What::kWait || reach_b.what == What::kWait) return false;
-      begun_ = true;
+      begun_ = is_first_ = true;
       at_ns_ = start;
       return true;
     }
@@ -69,8 +69,13 @@ Step PieceCursor::next(const Track& a, const Track& b, Nanoseconds rest_known_ns
     return step;
   }
   if (reach_a.what == What::kWait || reach_b.what == What::kWait) return step;
-  const Nanoseconds end = std::min(reach_a.until_ns, reach_b.until_ns);
-  if (end == std::numeric_limits<Nanoseconds>::max()) return step;
+  Nanoseconds end = std::min(reach_a.until_ns, reach_b.until_ns);
+  if (end == std::numeric_limits<Nanoseconds>::max()) {
+    // A silent object rests beside another for as long as anybody knows: whether they touch is asked once, on
+    // the shortest piece there is.
+    if (!is_first_ || !(reach_a.guess_of_rest || reach_b.guess_of_rest)) return step;
+    end = at_ns_ + 1;
+  }
   if ((reach_a.guess_of_rest || reach_b.guess_of_rest) && end > rest_known_ns) return step;
 
   step.what = Step::What::kPiece;
@@ -79,6 +84,7 @@ Step PieceCursor::next(const Track& a, const Track& b, Nanoseconds rest_known_ns
   step.error_b = reach_b.error;
   step.piece = {at_ns_, end, motionOf(a, a_, reach_a), motionOf(b, b_, reach_b)};
   at_ns_ = end;
+  is_first_ = false;
   if (reach_a.what == What::kMoves && reach_a.until_ns == end) ++a_;
   if (reach_b.what == What::kMoves && reach_b.until_ns == end) ++b_;
   return step;

@@ -30,7 +30,9 @@ Step lastRest(const TimeLine& time_line, int a, int b, Nanoseconds start_ns) {
   while (!first.isFixed() && first.has(index + 1)) ++index;
   const Nanoseconds newest = first.isFixed() ? time_line.newestReleased().value_or(start_ns)
                                              : first.lastReleased().value_or(start_ns);
-  return restStep(first, time_line.tracks()[b], index, start_ns, std::max(start_ns, newest));
+  // As short as the first one: where that was asked must not show.
+  const Nanoseconds end = std::max(start_ns, newest);
+  return restStep(first, time_line.tracks()[b], index, std::max(start_ns, end - 1), end);
 }
 
 }  // namespace collision_node::scene

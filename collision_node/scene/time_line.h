@@ -51,6 +51,10 @@ class TimeLine {
   std::optional<Nanoseconds> newestReleased() const { return newest_; }
   /// Released or not. Requires a watermark.
   Nanoseconds newestDelivered() const;
+  /// The newest stamp delivered in the scene's epoch, if there is one.
+  std::optional<Nanoseconds> newestInEpoch() const;
+  /// All that what it does later depends on (cut.cpp).
+  void describe(Fingerprint& to) const;
   const std::vector<Track>& tracks() const { return tracks_; }
   /// Tracks that have released something or changed their status since the last call.
   std::vector<int> takeChanged();

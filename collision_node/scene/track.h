@@ -19,6 +19,8 @@
 
 namespace collision_node::scene {
 
+class Fingerprint;
+
 /// How a released pose hangs on the one before it. Nothing is swept unless it is joined.
 enum class Join : std::uint8_t { kFirst, kJoined, kGap, kTimeout };
 
@@ -140,6 +142,8 @@ class Track {
   motion::RigidMotion restAt(std::size_t index) const;
   /// Forgets samples before `index`; always keeps the last one.
   void dropBefore(std::size_t index);
+  /// All that what it does later depends on, when everything up to `watermark` is solved (cut.cpp).
+  void describe(std::optional<Nanoseconds> watermark, Fingerprint& to) const;
 
  private:
   struct Arrival {

@@ -34,4 +34,7 @@ Case makeCase(std::uint64_t seed, int index);
 /// 1e8 m; contact distances; precisions down to rounding; aimed to within 1e-12 of touching.
 Case makeWideCase(std::uint64_t seed, int index);
 
+/// Degenerate bodies, extreme pieces and motions; see fuzz_edge.cpp.
+Case makeEdgeCase(std::uint64_t seed, int index);
+
 }  // namespace fuzz

@@ -1,6 +1,8 @@
-/// The certified solver against the oracle on random pairs. COLLISION_NODE_LONG=1 runs 20 000 of each kind,
+/// The certified solver against the oracle on random pairs. COLLISION_NODE_LONG=1 runs 20 000 of the everyday
+/// and of the wide mix and 100 degenerate ones (some 4 minutes, 27 minutes and half a minute of one core),
 /// COLLISION_NODE_FUZZ_INDEX=n one, COLLISION_NODE_FUZZ_SEED=n another series, COLLISION_NODE_FUZZ_FIRST=n
-/// and COLLISION_NODE_FUZZ_COUNT=n a part of it.
+/// and COLLISION_NODE_FUZZ_COUNT=n a part of it. The oracle's 80 bits sometimes take needles of 1e-12 for
+/// touching.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -54,27 +56,44 @@ fuzz::Tally run(MakeCase make, std::uint64_t seed, int first, int count, bool de
   return tally;
 }
 
-void runSeries(MakeCase make, int usual) {
+/// What a mix of cases is made for; the march gives up where many turns pass near each other.
+struct Mix {
+  MakeCase make;
+  int usual;  ///< pairs of a short run; a long one has `all`
+  int all = 20000;
+  double most_touching = 0.6;  ///< shares of the pairs
+  double least_apart = 1.0 / 3;
+  double most_given_up = 0.005;
+};
+
+void runSeries(const Mix& mix) {
   const std::uint64_t seed = numberFrom("COLLISION_NODE_FUZZ_SEED", 1);
   const bool replay = std::getenv("COLLISION_NODE_FUZZ_INDEX") != nullptr;
-  const std::uint64_t all = numberFrom("COLLISION_NODE_LONG", 0) != 0 ? 20000 : usual;
+  const std::uint64_t all =
+      static_cast<std::uint64_t>(numberFrom("COLLISION_NODE_LONG", 0) != 0 ? mix.all : mix.usual);
   const int first =
       static_cast<int>(numberFrom("COLLISION_NODE_FUZZ_INDEX", numberFrom("COLLISION_NODE_FUZZ_FIRST", 0)));
   const int count = replay ? 1 : static_cast<int>(numberFrom("COLLISION_NODE_FUZZ_COUNT", all));
-  const fuzz::Tally tally = run(make, seed, first, count, replay);
+  const fuzz::Tally tally = run(mix.make, seed, first, count, replay);
   if (replay) return;
   EXPECT_GE(tally.touching, 2 * tally.cases / 5);
-  EXPECT_LE(tally.touching, 3 * tally.cases / 5);
+  EXPECT_LE(tally.touching, mix.most_touching * tally.cases);
   EXPECT_EQ(tally.confirmed_first, tally.transversal);
   EXPECT_GE(tally.transversal, tally.cases / 5) << "too few decisive hits to mean anything";
-  EXPECT_GE(tally.well_apart, tally.cases / 3);
+  EXPECT_GE(tally.well_apart, mix.least_apart * tally.cases);
   EXPECT_LE(static_cast<int>(tally.undecided.size()) - tally.unprovable, tally.cases / 100 + 1);
-  EXPECT_LE(tally.gave_up, tally.cases / 200) << "the oracle itself could not tell";
+  EXPECT_LE(tally.gave_up, mix.most_given_up * tally.cases + 1) << "the oracle itself could not tell";
 }
 
-TEST(Fuzz, EveryContactIsFoundAndEveryBoundHolds) { runSeries(fuzz::makeCase, 2000); }
+TEST(Fuzz, EveryContactIsFoundAndEveryBoundHolds) { runSeries({fuzz::makeCase, 2000}); }
 
-TEST(Fuzz, EveryContactIsFoundAtAllSizesSpeedsAndSpins) { runSeries(fuzz::makeWideCase, 300); }
+TEST(Fuzz, EveryContactIsFoundAtAllSizesSpeedsAndSpins) {
+  runSeries({fuzz::makeWideCase, 300, 20000, 0.6, 1.0 / 3, 0.02});
+}
+
+TEST(Fuzz, EveryContactIsFoundBetweenDegenerateBodiesInExtremePieces) {
+  runSeries({fuzz::makeEdgeCase, 30, 100, 0.8, 0.15, 0.02});
+}
 
 void expectNoComplaint(MakeCase make, std::uint64_t seed, int index) {
   const fuzz::Case c = make(seed, index);
@@ -106,5 +125,8 @@ TEST(Fuzz, FoundRimsOfCylindersWithinW) {
 
 /// The closest vector to a needle's edge, off by rounding along the edge, showed no gap.
 TEST(Fuzz, FoundPointBesideANeedleApart) { expectNoComplaint(fuzz::makeWideCase, 5, 2878); }
+
+/// A point through the hub of a fan with a triangle twice: no patch was proved to be passed.
+TEST(Fuzz, FoundPassageThroughDuplicatedTriangles) { expectNoComplaint(fuzz::makeEdgeCase, 3, 323); }
 
 }  // namespace

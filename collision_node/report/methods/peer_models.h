@@ -22,7 +22,10 @@ inline Answer hitAt(double seconds) {
 /// The one shape of a body of kind `T`, at the body's origin, or null.
 template <typename T>
 const T* only(const geometry::Body& body) {
-  return body.shapes().size() == 1 ? std::get_if<T>(&body.shapes()[0].shape) : nullptr;
+  if (body.shapes().size() != 1) return nullptr;
+  const geometry::PlacedShape& placed = body.shapes()[0];
+  const bool at_origin = placed.origin.position.isZero(0.0) && placed.origin.orientation.vec().isZero(0.0);
+  return at_origin ? std::get_if<T>(&placed.shape) : nullptr;
 }
 
 /// Seconds from a piece's start to its end.

@@ -1,0 +1,76 @@
+#include "collision_node/replay/session.h"
+
+#include <limits>
+#include <utility>
+
+#include "collision_node/scene/fingerprint.h"
+#include "collision_node/scene/instant.h"
+
+namespace collision_node::replay {
+
+Session::Session(const Options& options, std::shared_ptr<const scene::Scene> scene, const BagInput& input,
+                 Sinks sinks)
+    : scene_(std::move(scene)),
+      sinks_(std::move(sinks)),
+      heard_(scene_->objects.size(), 0),
+      router_(
+          scene_, [&](const std::string& topic) { return resolveTopic(options.name_space, topic); },
+          [this](int object, const motion::StampedPose& pose, messages::StampKind kind) {
+            if (kind != messages::StampKind::kAlways) sinks_.pose_seen(now_ns_, pose.stamp_ns);
+            heard_[static_cast<std::size_t>(object)] = 1;
+            messages::handToEngine(*engine_, object, pose, kind);
+          }) {
+  input.check(router_, *scene_,
+              [&](const std::string& topic) { return resolveTopic(options.name_space, topic); });
+  scene::EngineOptions how;
+  how.threads = options.threads;
+  engine_ = std::make_unique<scene::Engine>(scene_, options.method, sinks_.engine, how);
+}
+
+void Session::feed(const BagInput::Message& message) {
+  now_ns_ = message.received_ns;
+  gaps_.see(message.connection.topic, message.connection.sender, message.raw);
+  try {
+    router_.handle(message.connection.topic, message.raw, now_ns_);
+  } catch (const messages::PoseError&) {
+    // Counted by the router and told at the end; the rest of the bag is good.
+  }
+}
+
+void Session::flush() {
+  router_.flush();
+  engine_->flush();
+}
+
+scene::Stats Session::withMessages(scene::Stats stats) const {
+  stats.rejected += router_.refused();
+  stats.lost = gaps_.lost();
+  return stats;
+}
+
+scene::Cut Session::cut() const {
+  scene::Cut cut = engine_->cut();
+  scene::Fingerprint state;
+  state.add(cut.state);
+  router_.tf().describe(state);
+  cut.state = state.value();
+  return cut;
+}
+
+bool Session::knowsAllAt(const scene::Cut& cut) const {
+  if (!cut.is_settled || !router_.tf().unresolved().empty()) return false;
+  for (std::size_t i = 0; i < heard_.size(); ++i)
+    if (heard_[i] == 0 && scene_->objects[i].source.type == scene::PoseSource::Type::kTf) return false;
+  // Two rounds of a loop are a memory as good as a long one.
+  return cut.epoch >= 2 || cut.span_ns >= memoryOf(scene_->time);
+}
+
+Nanoseconds memoryOf(const scene::TimeOptions& time) {
+  constexpr Nanoseconds kEver = std::numeric_limits<Nanoseconds>::max() / 8;
+  Nanoseconds sum = 0;
+  for (const double part : {time.timeout, time.max_gap, time.reorder, time.jump})
+    sum += std::min(scene::toNanoseconds(part), kEver / 4);
+  return sum;
+}
+
+}  // namespace collision_node::replay
