@@ -42,7 +42,7 @@ class Certified : public PairMethod {
     const PairPiece pair(a_, b_, piece, options_.contact_distance);
     Workspace workspace;
     Search search(pair, options_.node_budget, workspace);
-    EventWriter writer(pair, piece, options_, search);
+    EventWriter writer(pair, piece, options_, search, workspace);
     PairEvent event = state.pending;
     const double end = pair.motion.duration(), from = std::clamp(writer.localStart(event), 0.0, end);
     writer.finishImpact(event, from, end, writer.anyNear(from, end), state, false);
@@ -59,7 +59,7 @@ class Certified : public PairMethod {
       const PairPiece pair(a_, b_, piece, options_.contact_distance);
       Workspace workspace;
       Search search(pair, options_.node_budget, workspace);
-      const EventWriter writer(pair, piece, options_, search);
+      const EventWriter writer(pair, piece, options_, search, workspace);
       const double end = pair.motion.duration();
       PairEvent event = writer.stamped(Kind::kSeparation, end);
       writer.fill(event, describeUnknown(pair, pair.at(end), 0.0), end, end);

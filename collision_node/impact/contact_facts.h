@@ -1,6 +1,7 @@
 /// Where two elements touch, with hard error bounds: the ball, the normal and its cone, the features.
 #pragma once
 
+#include "collision_node/impact/contact_view.h"
 #include "collision_node/impact/search.h"
 
 namespace collision_node::impact {
@@ -27,10 +28,11 @@ struct ContactFacts {
 /// instant lies within `span` of now.t, is within position_error of `position` + A's origin at now.t (world);
 /// the common support plane there has its normal within normal_error of `normal`. Derivation: docs/solver.md,
 /// "The ball".
-/// `apart_at` [s] lies on the side in time on which the pair is apart: 0 for an impact, the piece's end for a
-/// separation.
+/// `parting` (may be null) proposes a normal, `start` closest points; any would do. `apart_at` [s] lies on
+/// the side in time on which the pair is apart: 0 for an impact, the piece's end for a separation.
 ContactFacts describeContact(const PairPiece& piece, const Instant& now, double span, ElementPair pair,
-                             double apart_at, const Earlier& earlier = {});
+                             double apart_at, const Earlier& earlier, const Parting* parting,
+                             const Closest& start, ViewBuffers& buffers);
 
 /// No pair is known (the budget ran out): a ball that holds all shared points within `span` of now.
 ContactFacts describeUnknown(const PairPiece& piece, const Instant& now, double span);

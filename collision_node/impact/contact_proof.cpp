@@ -321,6 +321,16 @@ void refineWeights(Closest& c) {
   }
 }
 
+/// The closed surface of the tetrahedron of an overlap, outward.
+bool wrapTetrahedron(const Closest& closest, Wrap& wrap) {
+  if (!closest.overlap || closest.count != 4) return false;
+  wrap.points.assign(closest.point, closest.point + 4);
+  std::vector<SupportPair>& p = wrap.points;
+  if (det(p[1].w - p[0].w, p[2].w - p[0].w, p[3].w - p[0].w) > 0.0) std::swap(p[1], p[2]);
+  wrap.faces.assign({{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}});
+  return true;
+}
+
 /// Contact proved with shrunk cylinders. The deeper the proof, the longer it lasts; how deep it may be
 /// depends on how deep the contact is.
 bool touchesShrunk(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
@@ -374,19 +384,23 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
   // Cores that meet touch at any distance: all that is left where the radius is within the rounding.
   if (a.count == 1 && b.count == 1) return false;  // two points: never provable
   if (!closest.overlap && closest.v.norm() > 16.0 * piece.point_error) return false;
-  if (touchesShrunk(piece, now, a, b, closest.v, witness)) return true;
+  if (touchesShrunk(piece, now, a, b, closest.overlap ? closest.last : closest.v, witness)) return true;
+  const auto holds = [&] {
+    if (!wrapHolds(piece, now, now, witness.wrap)) return false;
+    witness.rounded = false;
+    witness.shrunk = 0.0;
+    // The common point: by GJK's weights where it found the origin inside, else the support of the nearest
+    // face.
+    witness.point.setZero();
+    for (int i = 0; i < closest.count; ++i)
+      witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
+    return true;
+  };
+  // The tetrahedron in which the origin was found often is proof enough, though not one that lasts.
+  if (!(witness.shrunk > 0.0) && wrapTetrahedron(closest, witness.wrap) && holds()) return true;
   for (double depth = 2.0 * piece.point_error; depth < 5e3 * piece.point_error; depth *= 8.0) {
     if (!buildWrap(cores, depth, witness.wrap)) return false;
-    if (wrapHolds(piece, now, now, witness.wrap)) {
-      witness.rounded = false;
-      witness.shrunk = 0.0;
-      // The common point: by GJK's weights where it found the origin inside, else the support of the nearest
-      // face.
-      Vec3 pa = Vec3::Zero();
-      for (int i = 0; i < closest.count; ++i) pa += closest.weight[i] * (now.ra * closest.point[i].local_a);
-      witness.point = pa;
-      return true;
-    }
+    if (holds()) return true;
   }
   return false;
 }

@@ -52,7 +52,9 @@ void EventWriter::finish(PairEvent& event, const Bracket& bracket, ElementPair p
   event.multiple = false;
   ContactFacts facts;
   if (pair.a >= 0) {
-    facts = describeContact(pair_, now, span, pair, bracket.apart_at, bracket.earlier);
+    facts = describeContact(pair_, now, span, pair, bracket.apart_at, bracket.earlier,
+                            search_.partingAt(bracket.reference, pair),
+                            search_.closestAt(bracket.reference, pair), views_);
     joinNeighbours(event, facts, bracket, pair);
   } else {
     facts = describeUnknown(pair_, now, span);
@@ -92,7 +94,8 @@ void EventWriter::joinNeighbours(PairEvent& event, ContactFacts& facts, const Br
   for (const ElementPair& other : near_pairs) {
     if (other.a == pair.a && other.b == pair.b) continue;
     const ContactFacts near =
-        describeContact(pair_, now, bracket.upper - bracket.lower, other, bracket.apart_at, bracket.earlier);
+        describeContact(pair_, now, bracket.upper - bracket.lower, other, bracket.apart_at, bracket.earlier,
+                        search_.partingAt(bracket.reference, other), Closest(), views_);
     const double needed = (near.position - facts.position).norm() + near.position_error;
     const bool same_place = needed <= std::max(2.0 * facts.position_error, 0.5 * options_.distance_precision);
     if (same_place || !bracket.sure_of_pair) {

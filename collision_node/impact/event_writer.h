@@ -9,8 +9,9 @@ namespace collision_node::impact {
 /// Writes the events of one piece. Times are seconds from the piece's start.
 class EventWriter {
  public:
-  EventWriter(const PairPiece& pair, const Piece& piece, const PairOptions& options, Search& search)
-      : pair_(pair), piece_(piece), options_(options), search_(search) {}
+  EventWriter(const PairPiece& pair, const Piece& piece, const PairOptions& options, Search& search,
+              Workspace& workspace)
+      : pair_(pair), piece_(piece), options_(options), search_(search), views_(workspace.buffers().views) {}
 
   /// An event at `t` without facts: stamps, samples, poses; toi_lower = toi_upper = t.
   PairEvent stamped(Kind kind, double t) const;
@@ -54,6 +55,7 @@ class EventWriter {
   const Piece& piece_;
   const PairOptions& options_;
   Search& search_;
+  ViewBuffers& views_;
 };
 
 }  // namespace collision_node::impact

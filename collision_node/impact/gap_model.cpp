@@ -40,10 +40,10 @@ constexpr double kUp = 1.0 + 64.0 * kUnit;
 }  // namespace
 
 GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
-                   const Axis& axis)
+                   const Axis& axis, const CoreReaches& reaches)
     : a_(a), b_(b), direction_(axis.direction), rate_(axis.rate) {
   const RelativeMotion& m = piece.motion;
-  const double reach_a = coreReach(a) * kUp, reach_b = coreReach(b) * kUp;
+  const double reach_a = reaches.a * kUp, reach_b = reaches.b * kUp;
   length_ = direction_.norm() * kUp;
   rate_length_ = rate_.norm() * kUp;
   // A: max over a of [n + s (rate + n x omega_a)] . (R_a a); B likewise, its minimum written as a maximum.
@@ -130,6 +130,40 @@ Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, 
   } else if (closest.count == 1 && rounded) {
     axis.rate = (rate[0] - axis.direction * axis.direction.dot(rate[0])) / gap;
   }
+  return axis;
+}
+
+Axis axisToCylinder(const PairPiece& piece, const Instant& now, const Element& a, const Element& b) {
+  const RelativeMotion& m = piece.motion;
+  const bool point_is_a = a.vertices != nullptr;
+  const Element& cylinder = point_is_a ? b : a;
+  const Vec3 xa = now.ra * (point_is_a ? a.vertices[0] : a.centre);
+  const Vec3 xb = now.rb * (point_is_a ? b.centre : b.vertices[0]);
+  const Vec3 xb_rate = now.d_rate + m.omegaB().cross(xb), xa_rate = m.omegaA().cross(xa);
+  const Vec3& omega = point_is_a ? m.omegaB() : m.omegaA();
+  const double outward = point_is_a ? -1.0 : 1.0;
+  // The point from the cylinder's centre, and its velocity in the cylinder's own turning frame: along the
+  // axis u, away from it along r, and around it along e.
+  const Vec3 x = (now.d + xb - xa) * outward;
+  const Vec3 v = (xb_rate - xa_rate) * outward - omega.cross(x);
+  const Vec3 u = (point_is_a ? now.rb : now.ra) * cylinder.axis;
+  const double along = u.dot(x);
+  const Vec3 across = x - along * u;
+  const double distance = across.norm();
+  const double above = along - std::clamp(along, -cylinder.half_length, cylinder.half_length);
+  const double beside = std::max(0.0, distance - cylinder.rim_radius);
+  const double gap = std::hypot(above, beside);
+  Axis axis;
+  if (!(gap > 0.0)) return axis;
+  const Vec3 r = distance > 0.0 ? Vec3(across / distance) : u.unitOrthogonal(), e = u.cross(r);
+  const double sine = above / gap, cosine = beside / gap;
+  Vec3 n = cosine * r + sine * u, turn = Vec3::Zero();
+  if (above != 0.0 && beside > 0.0)  // around the rim
+    turn = ((v.dot(u) * cosine - v.dot(r) * sine) / gap) * (cosine * u - sine * r);
+  if (beside > 0.0) turn += (cosine * v.dot(e) / distance) * e;
+  axis.direction = outward * n;
+  axis.rate = outward * (omega.cross(n) + turn);
+  axis.valid = true;
   return axis;
 }
 
@@ -295,18 +329,14 @@ double apartFor(const GapModel& model, double span, double* gap_now) {
   *gap_now = start.gap;
   if (!(start.gap > 0.0) || !(span > 0.0)) return 0.0;
   double low = 0.0, low_gap = start.gap;
-  double high = span;
+  // The parabola of the start's value and slope lies above the concave model: its root bounds ours from
+  // above.
+  const double bend = model.leastBend(), discriminant = start.slope * start.slope + 4.0 * bend * start.gap;
+  const double root = start.slope > 0.0 ? (start.slope + std::sqrt(discriminant)) / (2.0 * bend)
+                                        : 2.0 * start.gap / (std::sqrt(discriminant) - start.slope);
+  double high = root < span ? root : span;
   GapModel::Value end = model.at(high);
-  if (end.gap > 0.0) return span;
-  // The tangent at the start lies above the concave model: its root bounds ours from above.
-  if (start.slope < 0.0) {
-    const double root = start.gap / -start.slope;
-    if (root < high) {
-      high = root;
-      end = model.at(high);
-      if (end.gap > 0.0) return high;
-    }
-  }
+  if (end.gap > 0.0) return high;
   // A pair that recedes: the model rises before it falls, so that a chord from a small gap shows nothing of
   // the time it will last. The parabola with the low end's value and slope and the high end's value does; it
   // only proposes.

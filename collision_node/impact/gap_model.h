@@ -20,16 +20,35 @@ struct Axis {
   bool valid = false;
 };
 
+/// An axis along which a pair was proved apart, as it is at `time`.
+struct Parting {
+  Axis axis;
+  double time = 0.0;  ///< [s] from the piece's start
+
+  Vec3 at(double t) const { return axis.direction + (t - time) * axis.rate; }
+};
+
+/// How far the cores' points are from their objects' origins, to rounding [m].
+struct CoreReaches {
+  double a, b;
+};
+
 /// Lower bound of the gap along n(s): concave in s, so positive at s (and at 0) means positive between.
 class GapModel {
  public:
-  GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis);
+  GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis)
+      : GapModel(piece, now, a, b, axis, {coreReach(a), coreReach(b)}) {}
+  GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis,
+           const CoreReaches& reaches);
 
   struct Value {
     double gap;    ///< [m], rounding budget already subtracted
     double slope;  ///< a supergradient [m/s]
   };
   Value at(double s) const;
+
+  /// The gap is at most at(0).gap + s at(0).slope - s^2 leastBend() [m/s^2], to rounding.
+  double leastBend() const { return square_ + curve_ * length_; }
 
  private:
   const Element& a_;
@@ -46,6 +65,9 @@ class GapModel {
 /// The axis through the closest points, turning with the features that hold them; invalid when the cores
 /// overlap.
 Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, bool rounded);
+
+/// The same for a single point and a cylinder, whose closest point slides over the cylinder.
+Axis axisToCylinder(const PairPiece& piece, const Instant& now, const Element& a, const Element& b);
 
 /// Normals of faces and of edge pairs for two triangles (separating axis theorem), axis, rim and side normals
 /// where a cylinder takes part, all turning with their features; for the last few budgets before a contact,

@@ -140,6 +140,54 @@ Closest pointToCylinder(const Cores& cores, bool point_is_a) {
   return c;
 }
 
+/// Takes over from the simplex only the points that hold its closest point.
+void keep(const Reduced& r, const SupportPair* simplex, Closest& c) {
+  SupportPair kept[4];
+  for (int i = 0; i < r.count; ++i) {
+    kept[i] = simplex[r.index[i]];
+    c.weight[i] = r.weight[i];
+  }
+  std::copy(kept, kept + r.count, c.point);
+  c.count = r.count;
+  c.v = r.v;
+  c.overlap = r.inside;
+}
+
+/// From any points of B - A down to those closest to the origin.
+Closest descend(const Cores& cores, const Closest& start, double enough, double loss) {
+  const Element &a = *cores.a.element, &b = *cores.b.element;
+  if (a.vertices != nullptr && a.count == 1 && b.vertices == nullptr) return pointToCylinder(cores, true);
+  if (b.vertices != nullptr && b.count == 1 && a.vertices == nullptr) return pointToCylinder(cores, false);
+  Closest c = start;
+  keep(reduce(c.point, c.count), c.point, c);
+  constexpr int kMaxIterations = 96;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    const double length2 = c.v.squaredNorm();
+    if (!(length2 > 0.0)) {
+      c.overlap = true;
+      return c;
+    }
+    if (length2 <= enough * enough) return c;
+    const SupportPair next = cores.support(-c.v);
+    if (length2 - c.v.dot(next.w) <=
+        std::max(1e-13 * length2, loss * (length2 - enough * std::sqrt(length2))))
+      return c;
+    for (int i = 0; i < c.count; ++i) {
+      if (next.w == c.point[i].w) return c;
+    }
+    c.point[c.count] = next;
+    const Reduced r = reduce(c.point, c.count + 1);
+    if (!r.inside && !(r.v.squaredNorm() < length2)) return c;  // no more progress in doubles
+    // Nothing lies beyond `next` along -v: with the origin beyond it, only a flat tetrahedron's rounding
+    // holds it.
+    if (r.inside && c.v.dot(next.w) > 0.0) return c;
+    if (r.inside) c.last = c.v;
+    keep(r, c.point, c);
+    if (c.overlap) return c;
+  }
+  return c;
+}
+
 }  // namespace
 
 double coreReach(const Element& e) {
@@ -183,49 +231,25 @@ SupportPair Cores::support(const Vec3& direction) const {
 }
 
 Closest closestPoints(const Cores& cores, const Vec3& guess, double enough, double loss) {
-  const Element &a = *cores.a.element, &b = *cores.b.element;
-  if (a.vertices != nullptr && a.count == 1 && b.vertices == nullptr) return pointToCylinder(cores, true);
-  if (b.vertices != nullptr && b.count == 1 && a.vertices == nullptr) return pointToCylinder(cores, false);
-  Closest c;
-  c.count = 1;
-  c.point[0] = cores.support(guess.squaredNorm() > 0.0 ? Vec3(-guess) : Vec3(1.0, 0.0, 0.0));
-  c.weight[0] = 1.0;
-  c.v = c.point[0].w;
-  constexpr int kMaxIterations = 96;
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const double length2 = c.v.squaredNorm();
-    if (!(length2 > 0.0)) {
-      c.overlap = true;
-      return c;
-    }
-    if (length2 <= enough * enough) return c;
-    SupportPair next = cores.support(-c.v);
-    if (length2 - c.v.dot(next.w) <=
-        std::max(1e-13 * length2, loss * (length2 - enough * std::sqrt(length2))))
-      return c;
-    for (int i = 0; i < c.count; ++i) {
-      if (next.w == c.point[i].w) return c;
-    }
-    SupportPair simplex[4];
-    for (int i = 0; i < c.count; ++i) simplex[i] = c.point[i];
-    simplex[c.count] = next;
-    const Reduced r = reduce(simplex, c.count + 1);
-    if (!r.inside && !(r.v.squaredNorm() < length2)) return c;  // no more progress in doubles
-    // Nothing lies beyond `next` along -v: with the origin beyond it, only a flat tetrahedron's rounding
-    // holds it.
-    if (r.inside && c.v.dot(next.w) > 0.0) return c;
-    c.count = r.count;
-    for (int i = 0; i < r.count; ++i) {
-      c.point[i] = simplex[r.index[i]];
-      c.weight[i] = r.weight[i];
-    }
-    c.v = r.v;
-    if (r.inside) {
-      c.overlap = true;
-      return c;
-    }
+  Closest start;
+  start.count = 1;
+  start.point[0] = cores.support(guess.squaredNorm() > 0.0 ? Vec3(-guess) : Vec3(1.0, 0.0, 0.0));
+  start.weight[0] = 1.0;
+  return descend(cores, start, enough, loss);
+}
+
+Closest closestPoints(const Cores& cores, const Closest& before, double enough, double loss) {
+  constexpr int kTetrahedron = 4;
+  if (before.count == 0 || before.count == kTetrahedron) return closestPoints(cores, before.v, enough, loss);
+  Closest start;
+  start.count = before.count;
+  for (int i = 0; i < before.count; ++i) {
+    SupportPair& p = start.point[i];
+    p.local_a = before.point[i].local_a;
+    p.local_b = before.point[i].local_b;
+    p.w = cores.b.place(p.local_b) - cores.a.place(p.local_a);
   }
-  return c;
+  return descend(cores, start, enough, loss);
 }
 
 Closest closestOnEdges(const Cores& cores, const Closest& hint) {

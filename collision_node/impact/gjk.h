@@ -42,15 +42,19 @@ struct Cores {
 struct Closest {
   int count = 0;  ///< 1..4 points in use
   SupportPair point[4];
-  double weight[4] = {};  ///< convex
-  Vec3 v = Vec3::Zero();  ///< closest point of B - A to the origin: from A to B
-  bool overlap = false;   ///< the origin seems to lie inside
-  bool exact = false;     ///< from a closed form: v is right to rounding
+  double weight[4] = {};     ///< convex
+  Vec3 v = Vec3::Zero();     ///< closest point of B - A to the origin: from A to B
+  Vec3 last = Vec3::Zero();  ///< overlap: v before the origin was found inside
+  bool overlap = false;      ///< the origin seems to lie inside
+  bool exact = false;        ///< from a closed form: v is right to rounding
 };
 
 /// Closest points of the cores. `guess` is a first direction, e.g. the last answer's v. Points that are as
 /// close as `enough` will do, and so will a distance beyond it that is too large by the share `loss`.
 Closest closestPoints(const Cores& cores, const Vec3& guess, double enough = 0.0, double loss = 0.0);
+
+/// The same, begun with the points that held an earlier answer for the same elements.
+Closest closestPoints(const Cores& cores, const Closest& before, double enough = 0.0, double loss = 0.0);
 
 /// A cylinder and the vertices and edges of the other core that `hint` names: their closest points to
 /// rounding, where GJK only creeps towards the rim. At most two points, both with one point of the cylinder;

@@ -17,7 +17,7 @@ PieceRun::PieceRun(const PairPiece& pair, const Piece& piece, const PairOptions&
       options_(options),
       search_(pair, options.node_budget, workspace,
               StraightPath::of(pair.a, pair.b, piece, pair.contact_distance)),
-      writer_(pair, piece, options, search_),
+      writer_(pair, piece, options, search_, workspace),
       state_(state),
       events_(events),
       end_(pair.motion.duration()) {
@@ -29,7 +29,7 @@ PieceRun::PieceRun(const PairPiece& pair, const Piece& piece, const PairOptions&
 PieceOutcome PieceRun::run() {
   const std::size_t before = events_.size();
   PieceOutcome outcome;
-  if (search_.outOfReach()) {
+  if (search_.withinReach().empty()) {
     outcome.answer = Answer::kCulled;
     if (state_.phase == Phase::kNew) state_.phase = Phase::kApart;
     if (state_.phase == Phase::kApart) return outcome;
@@ -75,6 +75,10 @@ PieceOutcome PieceRun::run() {
 }
 
 void PieceRun::start() {
+  if (search_.withinReach().low > 0.0) {
+    state_.phase = Phase::kApart;
+    return;
+  }
   ContactWitness witness;
   switch (search_.classify(0.0, &witness, end_)) {
     case Proved::kApart:

@@ -9,14 +9,51 @@ namespace {
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
+/// Keeps what lies left of the line through `from` along `edge`, or at most `beyond` |edge| right of it.
+/// Source: Sutherland, Hodgman 1974.
+void clip(const Vec2& from, const Vec2& edge, double beyond, Polygon& polygon, Polygon& kept) {
+  kept.clear();
+  if (polygon.empty()) return;
+  const double allowed = beyond * edge.norm();
+  const auto side = [&](const Vec2& x) { return cross(edge, x - from) + allowed; };
+  Vec2 a = polygon.back();
+  double side_a = side(a);
+  for (const Vec2& b : polygon) {
+    const double side_b = side(b);
+    if ((side_a > 0.0 && side_b < 0.0) || (side_a < 0.0 && side_b > 0.0))
+      kept.push_back(a + (b - a) * (side_a / (side_a - side_b)));
+    if (side_b >= 0.0) kept.push_back(b);
+    a = b;
+    side_a = side_b;
+  }
+  polygon.swap(kept);
+}
+
+void boxOf(const Polygon& p, Vec2* low, Vec2* high) {
+  *low = *high = p[0];
+  for (const Vec2& v : p) {
+    *low = low->cwiseMin(v);
+    *high = high->cwiseMax(v);
+  }
+}
+
+void clipToGrown(const Polygon& hull, double grow, Polygon& polygon, Polygon& scratch) {
+  if (hull.size() < 2) return;
+  for (std::size_t i = 0; i < hull.size(); ++i)
+    clip(hull[i], hull[(i + 1) % hull.size()] - hull[i], grow, polygon, scratch);
+}
+
 }  // namespace
 
-Polygon convexHull(Polygon points) {
+void convexHull(Polygon& points, Polygon& hull) {
   std::sort(points.begin(), points.end(),
             [](const Vec2& a, const Vec2& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
   points.erase(std::unique(points.begin(), points.end()), points.end());
-  if (points.size() < 3) return points;
-  Polygon hull;
+  hull.clear();
+  if (points.size() < 3) {
+    hull = points;
+    return;
+  }
   for (int pass = 0; pass < 2; ++pass) {
     const std::size_t base = hull.size();
     for (const Vec2& p : points) {
@@ -28,58 +65,33 @@ Polygon convexHull(Polygon points) {
     hull.pop_back();
     std::reverse(points.begin(), points.end());
   }
-  return hull;
 }
 
-Polygon grownHull(const Polygon& points, double radius) {
-  // The octagon around the disc: corners at (+-1, +-h) and (+-h, +-1) times the radius, h = tan(pi/8) rounded
-  // up.
-  const double outer = radius * (1.0 + 1e-12), inner = 0.41421356237309515 * outer;
-  Polygon grown;
-  grown.reserve(8 * points.size());
-  for (const Vec2& p : points) {
-    for (const double side : {-outer, outer}) {
-      for (const double along : {-inner, inner}) {
-        grown.push_back(p + Vec2(side, along));
-        grown.push_back(p + Vec2(along, side));
-      }
-    }
-  }
-  return convexHull(std::move(grown));
+void grownIntersection(const Polygon& p, double grow_p, const Polygon& q, double grow_q, Polygon& both,
+                       Polygon& scratch) {
+  constexpr double kUp = 1.0 + 1e-12;
+  Vec2 low_p, high_p, low_q, high_q;
+  boxOf(p, &low_p, &high_p);
+  boxOf(q, &low_q, &high_q);
+  const Vec2 low = (low_p.array() - grow_p * kUp).max(low_q.array() - grow_q * kUp);
+  const Vec2 high = (high_p.array() + grow_p * kUp).min(high_q.array() + grow_q * kUp);
+  both.clear();
+  if (!(low.x() <= high.x() && low.y() <= high.y())) return;
+  both = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
+  clipToGrown(p, grow_p * kUp, both, scratch);
+  clipToGrown(q, grow_q * kUp, both, scratch);
 }
 
-Polygon intersection(const Polygon& p, const Polygon& q) {
-  Polygon result = p;
-  for (std::size_t i = 0; i < q.size() && !result.empty(); ++i) {  // Sutherland, Hodgman 1974
-    const Vec2 &from = q[i], &to = q[(i + 1) % q.size()];
-    const Vec2 edge = to - from;
-    Polygon kept;
-    for (std::size_t k = 0; k < result.size(); ++k) {
-      const Vec2 &a = result[k], &b = result[(k + 1) % result.size()];
-      const double side_a = cross(edge, a - from), side_b = cross(edge, b - from);
-      if (side_a >= 0.0) kept.push_back(a);
-      if ((side_a > 0.0 && side_b < 0.0) || (side_a < 0.0 && side_b > 0.0)) {
-        kept.push_back(a + (b - a) * (side_a / (side_a - side_b)));
-      }
-    }
-    result.swap(kept);
-  }
-  return result;
-}
-
-void enclosingDisc(const Polygon& p, Vec2* centre, double* radius) {
-  Vec2 low = p[0], high = p[0];
-  for (const Vec2& v : p) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
-  }
+void enclosingDisc(const Polygon& points, Vec2* centre, double* radius) {
+  Vec2 low, high;
+  boxOf(points, &low, &high);
   *centre = 0.5 * (low + high);
   *radius = 0.0;
-  for (const Vec2& v : p) *radius = std::max(*radius, (v - *centre).norm());
+  for (const Vec2& v : points) *radius = std::max(*radius, (v - *centre).norm());
 }
 
-double discInHull(const Polygon& points) {
-  const Polygon hull = convexHull(points);
+double discInHull(Polygon& points, Polygon& hull) {
+  convexHull(points, hull);
   if (hull.size() < 3) return 0.0;
   double radius = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < hull.size(); ++i) {

@@ -1,4 +1,5 @@
-/// Small convex polygons in the contact plane: hulls, grown hulls, intersections.
+/// Small convex polygons in the contact plane: hulls, what grown hulls have in common, discs. Results go into
+/// the caller's memory, which keeps its capacity.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,19 +10,19 @@ namespace collision_node::impact {
 using Vec2 = Eigen::Vector2d;
 using Polygon = std::vector<Vec2>;  ///< counter-clockwise; may be a point or a segment
 
-/// Convex hull (Andrew's monotone chain).
-Polygon convexHull(Polygon points);
+/// Convex hull (Andrew's monotone chain). Sorts `points`.
+void convexHull(Polygon& points, Polygon& hull);
 
-/// A polygon that holds every point within `radius` of the hull of `points`.
-Polygon grownHull(const Polygon& points, double radius);
+/// A polygon that holds every point within `grow_p` of hull `p` and within `grow_q` of hull `q`; `grow_p` >
+/// 0. Beyond a corner it reaches up to three times as far. Empty when there is no such point.
+void grownIntersection(const Polygon& p, double grow_p, const Polygon& q, double grow_q, Polygon& both,
+                       Polygon& scratch);
 
-/// Intersection of two convex polygons with area; empty when they do not meet.
-Polygon intersection(const Polygon& p, const Polygon& q);
-
-/// A disc that holds the polygon: the box's centre and the farthest corner.
-void enclosingDisc(const Polygon& p, Vec2* centre, double* radius);
+/// A disc that holds the points: their box's centre and the farthest one.
+void enclosingDisc(const Polygon& points, Vec2* centre, double* radius);
 
 /// Largest r such that the disc of radius r about the origin lies in the hull of `points`; 0 when outside.
-double discInHull(const Polygon& points);
+/// Sorts `points`; `hull` receives their hull.
+double discInHull(Polygon& points, Polygon& hull);
 
 }  // namespace collision_node::impact

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "collision_node/impact/inside.h"
-#include "collision_node/impact/triangle_pair.h"
 
 namespace collision_node::impact {
 namespace {
@@ -22,40 +21,12 @@ constexpr int kWidth = geometry::BvhBlock::kWidth;
 /// A measure of a node's size, to compare with others.
 double sizeOf(const geometry::BvhNode& node) { return 0.6 * (node.half[0] + node.half[1] + node.half[2]); }
 
-/// The longest time any proposed axis proves. More are tried only where the first does worse than plain
-/// advancement by the distance would.
-double apartFrom(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
-                 const Closest& closest, bool rounded, double span) {
-  double best = 0.0, gap = 0.0;
-  const auto propose = [&](const Axis& axis) {
-    if (axis.valid) best = std::max(best, apartFor(GapModel(piece, now, a, b, axis), span, &gap));
-  };
-  Axis axis = axisOf(piece, now, closest, rounded);
-  propose(axis);
-  const double radius = a.radius + b.radius + piece.contact_distance;
-  const double plain = (closest.v.norm() - radius - 2.0 * piece.point_error) / piece.speed;
-  if (best >= span || !(best < 0.5 * plain || best == 0.0)) return best;
-  axis.rate.setZero();
-  propose(axis);
-  const double length = closest.v.norm();
-  if (length > 0.0) propose({closest.v / length, Vec3::Zero(), true});
-  if (best < 0.5 * plain || best == 0.0) {
-    const Cores cores(now, a, b);
-    for (const Axis& other : featureAxes(piece, now, a, b)) {
-      if (cores.gapAlong(other.direction) > radius) propose(other);
-    }
-    if (best == 0.0) {
-      for (const Axis& other : rimAxes(piece, now, a, b, closest)) propose(other);
-    }
-  }
-  return best;
-}
-
 }  // namespace
 
 Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& workspace,
                std::optional<StraightPath> straight)
     : piece_(piece),
+      reach_(reachOf(piece)),
       test_(piece),
       budget_(node_budget),
       shells_(ShellPair::of(piece)),
@@ -151,33 +122,6 @@ void Search::walk(double from, double to, Leaf&& leaf) {
   }
 }
 
-/// Steps from `from` as long as a gap is proved; returns the time up to which, >= to when throughout.
-double Search::advance(const Element& a, const Element& b, double from, double to, double stop) {
-  const double radius = a.radius + b.radius + piece_.contact_distance;
-  const bool triangles = a.triangle >= 0 && b.triangle >= 0;
-  constexpr int kMaxSteps = 4000;
-  double t = from;
-  Vec3 guess = Vec3::Zero();
-  for (int step = 0; step < kMaxSteps; ++step) {
-    if (step > 0) ++node_tests_;
-    const Instant now = piece_.at(t);
-    double s = triangles ? TrianglePair(piece_, now, a, b).apartFor(to - t) : 0.0;
-    if (s < to - t && !(s > stop)) {
-      // The gap along the axis is what counts, and a thousandth less of it is as good.
-      const Closest closest = closestPoints(Cores(now, a, b), guess, radius, 1e-3);
-      guess = closest.v;
-      s = std::max(s, apartFrom(piece_, now, a, b, closest, radius > 0.0, to - t));
-    }
-    if (!(s > 0.0)) return t;
-    if (s >= to - t) return kInfinity;
-    const double next = t + s;
-    if (!(next > t)) return t;
-    t = next;
-    if (s < stop) return t;
-  }
-  return t;
-}
-
 Search::First Search::firstPossible(double from, double to, double stop, double window) {
   struct Leaf {
     Search& search;
@@ -192,16 +136,21 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
       const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
       if (a.triangle >= 0 && b.triangle >= 0 && search.test_.trianglesApart(slab, a, b, span))
         return kInfinity;
-      const double t = search.advance(a, b, span.low, span.high, stop);
+      PairSteps steps(search.piece_, a, b);
+      const double t = steps.advance(span.low, span.high, stop, search.node_tests_);
       if (t > span.high) return kInfinity;
-      if (!first.found || t < first.time) first = {true, t, {ea, eb}};
-      search.near_.push_back({{ea, eb}, t});
+      if (!first.found || t < first.time) {
+        first = {true, t, {ea, eb}};
+        search.stopped_by_ = first.pair;
+        search.stopped_closest_ = steps.closest();
+      }
+      search.near_.push_back({{ea, eb}, t, steps.parting()});
       return first.time + window;
     }
   };
   First first;
   near_.clear();
-  near_from_ = kInfinity;
+  near_from_ = stopped_at_ = kInfinity;
   if (straight_) {
     straight_->first(from, to, 10.0 * stop, path_contact_);
     node_tests_ += path_contact_.tests;
@@ -213,9 +162,12 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
     }
   }
   const double asked_from = from, asked_to = to;
-  if (!shells_ || shells_->clear(from, to, stop, node_tests_))
+  from = std::max(from, reach_.low);
+  to = std::min(to, reach_.high);
+  if (from <= to && (!shells_ || shells_->clear(from, to, stop, node_tests_)))
     walk(from, to, Leaf{*this, stop, window, first});
   near_from_ = exhausted() ? kInfinity : asked_from;
+  if (first.found) stopped_at_ = first.time;
   near_to_ = first.found ? std::min(first.time + window, asked_to) : asked_to;
   near_.erase(std::remove_if(near_.begin(), near_.end(), [&](const Near& n) { return n.time > near_to_; }),
               near_.end());
@@ -226,6 +178,20 @@ const PathContact* Search::provedAt(double time) const {
   const bool proved =
       straight_ && path_contact_.kind == PathContact::Kind::kContact && path_contact_.lower == time;
   return proved ? &path_contact_ : nullptr;
+}
+
+Closest Search::closestAt(double time, ElementPair pair) const {
+  const bool seen = time >= stopped_at_ && pair.a == stopped_by_.a && pair.b == stopped_by_.b;
+  return seen ? stopped_closest_ : Closest();
+}
+
+const Parting* Search::partingAt(double time, ElementPair pair) const {
+  if (!(time >= stopped_at_ && time <= near_to_)) return nullptr;
+  for (const Near& near : near_) {
+    if (near.pair.a == pair.a && near.pair.b == pair.b)
+      return near.parting.axis.valid ? &near.parting : nullptr;
+  }
+  return nullptr;
 }
 
 std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t limit) {
@@ -246,7 +212,8 @@ std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t l
       const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
       const auto same = [&](const ElementPair& p) { return p.a == ea && p.b == eb; };
       if (std::any_of(pairs.begin(), pairs.end(), same)) return kInfinity;  // in two slabs
-      if (search.advance(a, b, span.low, span.high, 0.0) <= span.high) pairs.push_back({ea, eb});
+      if (PairSteps(search.piece_, a, b).advance(span.low, span.high, 0.0, search.node_tests_) <= span.high)
+        pairs.push_back({ea, eb});
       return pairs.size() < limit ? kInfinity : -kInfinity;
     }
   };
@@ -263,14 +230,17 @@ std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t l
   return pairs;
 }
 
-Proved Search::classifyElements(const Instant& now, const Element& a, const Element& b,
+Proved Search::classifyElements(const Instant& now, const Element& a, const Element& b, const Closest& start,
                                 ContactWitness& witness) const {
-  const Closest closest = closestPoints(Cores(now, a, b), Vec3::Zero());
   const double radius = a.radius + b.radius + piece_.contact_distance;
+  // Known points that are as close as a proof needs will do, unless it is to last.
+  const double enough = start.count > 0 ? std::max(0.0, radius - 4.0 * piece_.point_error) : 0.0;
+  const Closest closest = closestPoints(Cores(now, a, b), start, enough);
   // What is likelier is asked first: the two answers exclude each other.
   const bool likely = closest.overlap || closest.v.norm() < radius;
   if (likely && touchesAt(piece_, now, a, b, closest, witness)) return Proved::kContact;
-  if (apartFrom(piece_, now, a, b, closest, radius > 0.0, 1e-300) > 0.0) return Proved::kApart;
+  Axis axis;
+  if (PairSteps(piece_, a, b).apartFor(now, closest, 1e-300, &axis) > 0.0) return Proved::kApart;
   return !likely && touchesAt(piece_, now, a, b, closest, witness) ? Proved::kContact : Proved::kNothing;
 }
 
@@ -279,7 +249,7 @@ Proved Search::classifyPair(double t, ElementPair pair, ContactWitness* witness)
   Vec3 buffer_a[3], buffer_b[3];
   const Element a = piece_.a.element(pair.a, buffer_a), b = piece_.b.element(pair.b, buffer_b);
   *witness = ContactWitness();
-  const Proved proved = classifyElements(piece_.at(t), a, b, *witness);
+  const Proved proved = classifyElements(piece_.at(t), a, b, closestAt(t, pair), *witness);
   witness->element_a = pair.a;
   witness->element_b = pair.b;
   return proved;
@@ -303,7 +273,7 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
         return kInfinity;
       ContactWitness w;
       if (wanted > 1) w.shrunk = kInfinity;  // to be followed
-      switch (search.classifyElements(now, a, b, w)) {
+      switch (search.classifyElements(now, a, b, Closest(), w)) {
         case Proved::kApart:
           return kInfinity;
         case Proved::kNothing:
@@ -360,15 +330,29 @@ bool Search::longestLasting(double t, double horizon, const std::vector<ContactW
   return false;
 }
 
-bool Search::outOfReach() const {
-  const RelativeMotion& m = piece_.motion;
-  const double reach = piece_.a.reach() + piece_.b.reach() + piece_.contact_distance + piece_.point_error;
-  // Distance of the origin from the chord of d(t), minus how far the path can leave its chord.
-  const Vec3 d0 = m.displacement(0.0), e = m.displacement(m.duration()) - d0;
-  const double length2 = e.squaredNorm();
-  const double s = length2 > 0.0 ? std::clamp(-d0.dot(e) / length2, 0.0, 1.0) : 0.0;
-  const double away = (d0 + s * e).norm() * (1.0 - 64.0 * kUnit) - 64.0 * kUnit * m.maxDistance();
-  return away - 0.125 * m.duration() * m.duration() * m.maxAcceleration() > reach * kUp;
+/// The distance of the origins from each other along the chord of their path is convex in time: where it is
+/// large enough and falls, it was larger before; where it rises, it will be.
+Span Search::reachOf(const PairPiece& piece) const {
+  const RelativeMotion& m = piece.motion;
+  const double end = m.duration(), rounding = 64.0 * kUnit * m.maxDistance();
+  const double reach = (piece.a.reach() + piece.b.reach() + piece.contact_distance + piece.point_error +
+                        0.125 * end * end * m.maxAcceleration() + rounding) *
+                       (kUp + 64.0 * kUnit);
+  const Vec3 d = m.displacement(0.0), e = m.displacement(end) - d;
+  const double length2 = e.squaredNorm(), length = std::sqrt(length2);
+  const double nearest = length2 > 0.0 ? -d.dot(e) / length2 : 0.0;
+  const auto beyond = [&](double share) { return (d + share * e).norm() > reach; };
+  if (beyond(std::clamp(nearest, 0.0, 1.0))) return {kInfinity, -kInfinity};
+  Span span{0.0, end};
+  if (!(length > rounding)) return span;
+  const double across2 = (d + nearest * e).squaredNorm();
+  const double half = std::sqrt(std::max(0.0, reach * reach - across2)) / length * (1.0 + 1e-9) + 1e-9;
+  const double low = nearest - half, high = nearest + half;
+  if (low > 0.0 && beyond(low) && (d + low * e).dot(e) < -rounding * length)
+    span.low = low * end * (1.0 - 1e-12);
+  if (high < 1.0 && beyond(high) && (d + high * e).dot(e) > rounding * length)
+    span.high = std::min(end, high * end * (1.0 + 1e-12));
+  return span;
 }
 
 }  // namespace collision_node::impact

@@ -10,8 +10,9 @@
 #include <vector>
 
 #include "collision_node/impact/contact_proof.h"
-#include "collision_node/impact/gap_model.h"
+#include "collision_node/impact/contact_view.h"
 #include "collision_node/impact/node_test.h"
+#include "collision_node/impact/pair_steps.h"
 #include "collision_node/impact/revolution_shell.h"
 #include "collision_node/impact/straight_path.h"
 #include "collision_node/impact/workspace.h"
@@ -47,6 +48,13 @@ class Search {
   /// null.
   const PathContact* provedAt(double time) const;
 
+  /// What parted the pair until the last firstPossible() stopped, where that was at `time` or less than its
+  /// window before; else null.
+  const Parting* partingAt(double time, ElementPair pair) const;
+
+  /// About the closest points of the pair by which it stopped, at a time behind; else none.
+  Closest closestAt(double time, ElementPair pair) const;
+
   /// Surfaces, then solids, at one instant. kContact fills `witness`; with a horizon > 0 the witness is,
   /// among those found, the one that provably lasts longest within [t, t + horizon].
   Proved classify(double t, ContactWitness* witness, double horizon = 0.0);
@@ -57,8 +65,8 @@ class Search {
   /// Pairs of elements not proved apart throughout [from, to], at most `limit`.
   std::vector<ElementPair> nearPairs(double from, double to, std::size_t limit);
 
-  /// No point of one body can come within reach of the other at any time of the piece.
-  bool outOfReach() const;
+  /// The part of the piece's time outside of which no point of one body can come within reach of the other.
+  const Span& withinReach() const { return reach_; }
 
   void countTest() { ++node_tests_; }
   bool exhausted() const { return node_tests_ > budget_; }
@@ -77,12 +85,13 @@ class Search {
   struct Near {
     ElementPair pair;
     double time;
+    Parting parting;  ///< invalid axis: none
   };
 
+  Span reachOf(const PairPiece& piece) const;
   void push(Item item);
-  Proved classifyElements(const Instant& now, const Element& a, const Element& b,
+  Proved classifyElements(const Instant& now, const Element& a, const Element& b, const Closest& start,
                           ContactWitness& witness) const;
-  double advance(const Element& a, const Element& b, double from, double to, double stop);
   bool longestLasting(double t, double horizon, const std::vector<ContactWitness>& found,
                       ContactWitness* witness);
 
@@ -90,6 +99,7 @@ class Search {
   void walk(double from, double to, Leaf&& leaf);
 
   const PairPiece& piece_;
+  const Span reach_;
   const NodeTest test_;
   std::uint64_t budget_, node_tests_ = 0;
   std::unique_ptr<ShellPair> shells_;  ///< null when nothing turns far
@@ -100,6 +110,9 @@ class Search {
   /// Every pair of elements that is not proved apart throughout [near_from_, near_to_] is among these.
   std::vector<Near>& near_;
   double near_from_ = std::numeric_limits<double>::infinity(), near_to_ = 0.0;
+  double stopped_at_ = std::numeric_limits<double>::infinity();  ///< the last firstPossible()
+  ElementPair stopped_by_;   ///< and which pair it could not part any longer
+  Closest stopped_closest_;  ///< their closest points, about
 
   friend struct Workspace::Buffers;
 };
@@ -109,6 +122,7 @@ struct Workspace::Buffers {
   std::vector<Slab> slabs;
   std::vector<Search::Item> stack;
   std::vector<Search::Near> near;
+  ViewBuffers views;
 };
 
 }  // namespace collision_node::impact

@@ -27,7 +27,7 @@ TrianglePair::TrianglePair(const PairPiece& piece, const Instant& now, const Ele
       0.5 * kUp * (m.maxAcceleration() + m.spinA() * m.spinA() * reach_a_ + m.spinB() * m.spinB() * reach_b_);
 }
 
-double TrianglePair::apartFor(double span) const {
+double TrianglePair::apartFor(double span, Axis* axis) const {
   const Vec3 &wa = piece_.motion.omegaA(), &wb = piece_.motion.omegaB();
   Vec3 edges_a[3], edges_b[3];
   for (int i = 0; i < 3; ++i) {
@@ -57,7 +57,14 @@ double TrianglePair::apartFor(double span) const {
                       : c.edge_a < 0 ? wa.cross(c.normal)
                                      : Vec3(wa.cross(edges_a[c.edge_a]).cross(edges_b[c.edge_b]) +
                                             edges_a[c.edge_a].cross(wb.cross(edges_b[c.edge_b])));
-    best = std::max(best, alongAxis(c.normal, rate, c.gap > 0.0 ? 1.0 : -1.0, span));
+    // Of unit length, and what the rate has across itself counts.
+    const double scale = (c.gap > 0.0 ? 1.0 : -1.0) / c.normal.norm();
+    const Vec3 n = c.normal * scale;
+    const Vec3 n_rate = rate * scale - n * (n.dot(rate) * scale);
+    const double proved = alongAxis(n, n_rate, span);
+    if (!(proved > best)) continue;
+    best = proved;
+    *axis = {n, n_rate, true};
   }
   return best;
 }
@@ -78,12 +85,7 @@ double TrianglePair::gapAlong(const Vec3& normal) const {
   return behind > 0.0 ? -behind / std::sqrt(length2) : 0.0;
 }
 
-/// `normal` may have any length; its rate across itself counts.
-double TrianglePair::alongAxis(const Vec3& normal, const Vec3& normal_rate, double sign, double span) const {
-  const double scale = sign / normal.norm();
-  const Vec3 n = normal * scale;
-  const Vec3 rate = normal_rate * scale - n * (n.dot(normal_rate) * scale);
-
+double TrianglePair::alongAxis(const Vec3& n, const Vec3& rate, double span) const {
   const RelativeMotion& m = piece_.motion;
   const double length = n.norm() * kUp, rate_length = rate.norm() * kUp;
   const double pe = piece_.point_error + piece_.contact_distance, re = piece_.rate_error;

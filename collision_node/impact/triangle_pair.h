@@ -5,7 +5,7 @@
 /// separating axis theorem, with all six vertices posed once. Derivation: docs/solver.md, "The gap model".
 #pragma once
 
-#include "collision_node/impact/pair_piece.h"
+#include "collision_node/impact/gap_model.h"
 
 namespace collision_node::impact {
 
@@ -13,8 +13,8 @@ class TrianglePair {
  public:
   TrianglePair(const PairPiece& piece, const Instant& now, const Element& a, const Element& b);
 
-  /// The longest time, at most `span`, that one of the axes proves.
-  double apartFor(double span) const;
+  /// The longest time, at most `span`, that one of the axes proves, and that axis, as it is now.
+  double apartFor(double span, Axis* axis) const;
 
  private:
   /// An axis of the separating axis theorem, with the edges that it turns with; -1: the other's face.
@@ -25,7 +25,7 @@ class TrianglePair {
   };
 
   double gapAlong(const Vec3& normal) const;
-  double alongAxis(const Vec3& normal, const Vec3& rate, double sign, double span) const;
+  double alongAxis(const Vec3& n, const Vec3& rate, double span) const;
 
   const PairPiece& piece_;
   const Instant& now_;

@@ -127,18 +127,50 @@ TEST(Search, NearPairsHoldEveryPairThatTouches) {
 }
 
 TEST(Search, OutOfReachIsAProof) {
-  int out = 0;
+  int out = 0, begin_later = 0, end_sooner = 0;
   for (int i = 0; i < 120; ++i) {
     const fuzz::Case c = fuzz::makeCase(kSeed + 3, i);
+    SCOPED_TRACE(c.describe());
     const moving::Pair pair = pairOf(c);
     Workspace workspace;
-    if (!Search(pair.solver, kPlenty, workspace).outOfReach()) continue;
-    ++out;
-    for (int k = 0; k <= 2; ++k)
-      ASSERT_GT(pair.exact.distance(pair.exact.duration() * k / 2), c.options.contact_distance)
-          << c.describe();
+    const Span reach = Search(pair.solver, kPlenty, workspace).withinReach();
+    const double end = c.duration();
+    out += reach.empty();
+    begin_later += !reach.empty() && reach.low > 0.0;
+    end_sooner += !reach.empty() && reach.high < end;
+    const auto apart = [&](Real t) { return pair.exact.distance(t) > c.options.contact_distance; };
+    for (int k = 0; k <= 2; ++k) {
+      if (reach.empty()) {
+        ASSERT_TRUE(apart(pair.exact.duration() * k / 2));
+        continue;
+      }
+      if (reach.low > 0.0) {
+        ASSERT_TRUE(apart(static_cast<Real>(reach.low) * k / 2));
+      }
+      if (reach.high < end) {
+        ASSERT_TRUE(apart(reach.high + (pair.exact.duration() - reach.high) * k / 2));
+      }
+    }
   }
   EXPECT_GT(out, 6) << "seed " << kSeed + 3;
+  EXPECT_GT(begin_later, 20);
+  EXPECT_GT(end_sooner, 20);
+}
+
+TEST(Search, ReachBeginsAndEndsWhereReachesTouch) {
+  // Two balls of 1 m and 0.5 m on parallel lines 0.9 m apart touch while |x| <= 1.2 m; a body's reach is that
+  // of its box's corners, so they are taken to be within reach while |x| <= sqrt(3 (1.5 m)^2 - (0.9 m)^2).
+  const Piece piece{0, 1'000'000'000, moving::flight(0, 1'000'000'000, Vec3::Zero(), Vec3::Zero()),
+                    moving::flight(0, 1'000'000'000, {-3.0, 0.9, 0.0}, {6.0, 0.0, 0.0})};
+  const moving::Pair pair{
+      {moving::placed(geometry::Sphere{1.0})}, {moving::placed(geometry::Sphere{0.5})}, piece};
+  Workspace workspace;
+  const Span reach = Search(pair.solver, kPlenty, workspace).withinReach();
+  const double half = std::sqrt(3.0 * 1.5 * 1.5 - 0.9 * 0.9) / 6.0;
+  EXPECT_LE(reach.low, 0.3);
+  EXPECT_NEAR(reach.low, 0.5 - half, 1e-6);
+  EXPECT_GE(reach.high, 0.7);
+  EXPECT_NEAR(reach.high, 0.5 + half, 1e-6);
 }
 
 /// A sphere of 5 mm flies past a torus, `offset` beside its axis.

@@ -1,0 +1,183 @@
+#include "collision_node/impact/contact_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace collision_node::impact {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Directions round a cylinder's axis, from the one nearest to the support: fine where the rim touches.
+struct Turn {
+  double cosine, sine;
+};
+constexpr Turn kTurns[] = {{1.0, 0.0},
+                           {0.99999999500000000417, 9.9999999833333333417e-05},
+                           {0.99999999500000000417, -9.9999999833333333417e-05},
+                           {0.99995000041666527778, 0.0099998333341666646825},
+                           {0.99995000041666527778, -0.0099998333341666646825},
+                           {0.95533648912560601964, 0.29552020666133957511},
+                           {0.95533648912560601964, -0.29552020666133957511},
+                           {0.070737201667702910088, 0.99749498660405443094},
+                           {0.070737201667702910088, -0.99749498660405443094},
+                           {-0.98999249660044545727, 0.14112000805986722210}};
+
+}  // namespace
+
+ContactView::ContactView(const Cores& cores, const Vec3& n, ViewBuffers& buffers)
+    : cores_(cores), buffers_(buffers), n_(n), e1_(n.unitOrthogonal()), e2_(n.cross(e1_)) {
+  double top_b = 0.0;
+  see(cores.a, n, &top_a_, buffers.a);
+  see(cores.b, -n, &top_b, buffers.b);
+  low_b_ = -top_b;
+}
+
+/// All vertices, or corners and rim points of a cylinder; those least deep first.
+void ContactView::see(const PosedCore& core, const Vec3& up, double* top,
+                      std::vector<SeenPoint>& points) const {
+  const Element& e = *core.element;
+  points.clear();
+  const auto add = [&](const Vec3& local) {
+    const Vec3 x = core.place(local);
+    points.push_back({up.dot(x), across(x)});
+  };
+  if (e.vertices != nullptr) {
+    for (int i = 0; i < e.count; ++i) add(e.vertices[i]);
+  } else {
+    const Vec3 local = core.rotation->transpose() * up;
+    Vec3 side = local - local.dot(e.axis) * e.axis;
+    if (side.norm() < 1e-9) side = e.axis.unitOrthogonal();
+    side.normalize();
+    const Vec3 other = e.axis.cross(side);
+    for (const double end : {-e.half_length, e.half_length}) {
+      for (const Turn& turn : kTurns)
+        add(e.centre + end * e.axis + e.rim_radius * (turn.cosine * side + turn.sine * other));
+    }
+  }
+  *top = e.vertices != nullptr ? -kInfinity : up.dot(core.place(core.supportLocal(up)));
+  for (const SeenPoint& p : points) *top = std::max(*top, p.depth);
+  for (SeenPoint& p : points) p.depth = *top - p.depth;
+  std::sort(points.begin(), points.end(),
+            [](const SeenPoint& x, const SeenPoint& y) { return x.depth < y.depth; });
+}
+
+double ContactView::normalCone(double moved) const {
+  const std::vector<SeenPoint>&a = buffers_.a, &b = buffers_.b;
+  Polygon& used = buffers_.points;
+  // No hull of differences holds a larger disc.
+  double spread_a = 0.0, spread_b = 0.0;
+  for (const SeenPoint& p : a) spread_a = std::max(spread_a, (p.across - a[0].across).squaredNorm());
+  for (const SeenPoint& p : b) spread_b = std::max(spread_b, (p.across - b[0].across).squaredNorm());
+  const double widest = (b[0].across - a[0].across).norm() + std::sqrt(spread_a) + std::sqrt(spread_b);
+  constexpr double kLevel = 1.2;  // heights this close are one level: a hull for each would tell little more
+  constexpr std::size_t kEnough = 64, kMost = 4096;
+  double best_sine = 1.0, done = -1.0;  // every difference up to this height is used
+  used.clear();
+  while (used.size() <= kEnough) {
+    double next = kInfinity;
+    for (const SeenPoint& p : a) {
+      if (!(p.depth + b[0].depth < next)) break;
+      for (const SeenPoint& q : b) {
+        if (!(p.depth + q.depth > done)) continue;
+        next = std::min(next, p.depth + q.depth);
+        break;
+      }
+    }
+    if (!(moved + next < best_sine * widest)) break;
+    const double level = std::max(next, (moved + next) * kLevel - moved);
+    double highest = next;
+    for (const SeenPoint& p : a) {
+      if (!(p.depth + b[0].depth <= level)) break;
+      for (const SeenPoint& q : b) {
+        const double height = p.depth + q.depth;
+        if (!(height <= level)) break;
+        if (!(height > done)) continue;
+        highest = std::max(highest, height);
+        used.push_back(q.across - p.across);
+      }
+      if (used.size() > kMost) break;
+    }
+    done = level;
+    if (used.size() < 3) continue;
+    const double l = discInHull(used, buffers_.scratch);
+    if (l > moved + highest) best_sine = std::min(best_sine, (moved + highest) / l);
+  }
+  return best_sine < 1.0 ? std::asin(best_sine) * (1.0 + 64.0 * kUnit) : M_PI;
+}
+
+/// Corner points of a set that holds every point of the core within `depth` of its support plane.
+void ContactView::cap(const PosedCore& core, const Vec3& up, const std::vector<SeenPoint>& points,
+                      double depth, double tilt, Polygon& cap) const {
+  const Element& e = *core.element;
+  cap.clear();
+  if (e.vertices != nullptr) {
+    std::size_t kept = 0;
+    while (kept < points.size() && points[kept].depth <= depth) ++kept;
+    for (std::size_t i = 0; i < kept; ++i) {
+      const SeenPoint& p = points[i];
+      cap.push_back(p.across);
+      for (std::size_t j = kept; j < points.size(); ++j) {
+        const SeenPoint& q = points[j];
+        cap.push_back(p.across + (q.across - p.across) * ((depth - p.depth) / (q.depth - p.depth)));
+      }
+    }
+    return;
+  }
+  const Vec3 local = core.rotation->transpose() * up;
+  const double along = local.dot(e.axis);
+  Vec3 side = local - along * e.axis;
+  const double radial = side.norm();
+  if (radial > 0.0) {
+    side /= radial;
+  } else {
+    side = e.axis.unitOrthogonal();
+  }
+  const Vec3 other = e.axis.cross(side);
+  const double r = e.rim_radius;
+  const double z_low =
+      std::abs(along) > 0.0 ? std::max(-1.0, 1.0 - depth / (std::abs(along) * e.half_length)) : -1.0;
+  const double x_low = radial > 0.0 ? std::max(-r, r - depth / radial) : -r;
+  double reach = x_low > 0.0 ? std::sqrt(std::max(0.0, r * r - x_low * x_low)) : r;
+  if (radial > 0.0 && tilt < 0.5 * radial) reach = std::min(reach, r * std::sin(2.0 * tilt / radial));
+  const double sign = along >= 0.0 ? 1.0 : -1.0;
+  for (const double z : {z_low, 1.0}) {
+    for (const double x : {x_low, r}) {
+      for (const double y : {-reach, reach})
+        cap.push_back(
+            across(core.place(e.centre + sign * z * e.half_length * e.axis + x * side + y * other)));
+    }
+  }
+}
+
+void ContactView::commonDisc(double depth, double tilt, double moved_a, double moved_b, Vec2* centre,
+                             double* radius) const {
+  // One side's cap alone often is a point, as far as anybody can tell: nothing is gained by the other's.
+  constexpr double kPoint = 8.0;
+  cap(cores_.a, n_, buffers_.a, depth, tilt, buffers_.points);
+  enclosingDisc(buffers_.points, centre, radius);
+  const bool point_a = *radius <= kPoint * moved_a;
+  *radius += moved_a;
+  if (!point_a) convexHull(buffers_.points, buffers_.hull_a);
+  cap(cores_.b, -n_, buffers_.b, depth, tilt, buffers_.points);
+  Vec2 centre_b;
+  double radius_b = 0.0;
+  enclosingDisc(buffers_.points, &centre_b, &radius_b);
+  const bool point_b = radius_b <= kPoint * moved_b;
+  radius_b += moved_b;
+  if (!point_a && !point_b) {
+    convexHull(buffers_.points, buffers_.hull_b);
+    grownIntersection(buffers_.hull_a, moved_a, buffers_.hull_b, moved_b, buffers_.both, buffers_.scratch);
+    if (!buffers_.both.empty()) {
+      enclosingDisc(buffers_.both, centre, radius);
+      return;
+    }
+  }
+  if (radius_b < *radius) {
+    *centre = centre_b;
+    *radius = radius_b;
+  }
+}
+
+}  // namespace collision_node::impact

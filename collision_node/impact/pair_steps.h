@@ -1,0 +1,38 @@
+/// How long do two convex elements stay apart? Steps in time, each proved by the gap along an axis that turns
+/// with what is closest.
+///
+/// Guarantee: that of gap_model.h, for every step.
+#pragma once
+
+#include "collision_node/impact/gap_model.h"
+
+namespace collision_node::impact {
+
+class PairSteps {
+ public:
+  /// The elements must outlive the steps.
+  PairSteps(const PairPiece& piece, const Element& a, const Element& b);
+
+  /// Steps from `from` as long as a gap is proved; returns the time up to which, infinity when up to `to`.
+  /// Steps shorter than `stop` end the search. Adds all but the first to `tests`.
+  double advance(double from, double to, double stop, std::uint64_t& tests);
+
+  /// The longest time from `now`, at most `span`, that any proposed axis proves, and that axis. `closest` are
+  /// the cores' closest points.
+  double apartFor(const Instant& now, const Closest& closest, double span, Axis* proved) const;
+
+  /// What proved the last step of advance(); an invalid axis: there was none.
+  const Parting& parting() const { return parting_; }
+  /// The closest points of its last step: where a search for others may begin.
+  const Closest& closest() const { return closest_; }
+
+ private:
+  const PairPiece& piece_;
+  const Element &a_, &b_;
+  const CoreReaches reach_;
+  const double radius_;  ///< of both, with the contact distance
+  Parting parting_;
+  Closest closest_;
+};
+
+}  // namespace collision_node::impact
