@@ -9,9 +9,10 @@ namespace {
 
 constexpr Nanoseconds kForEver = std::numeric_limits<Nanoseconds>::max();
 constexpr Nanoseconds kAlways = std::numeric_limits<Nanoseconds>::min();
-/// Node tests, about a millisecond's: less is not worth waking another thread for.
+/// Node tests, about a tenth of a millisecond: less is not worth waking another thread for.
 constexpr std::uint64_t kEnoughWork = 4000;
-constexpr std::uint64_t kTestsOfAnyWalk = 40;
+/// What the steps, proofs and facts of a walk cost beside its node tests, in node tests.
+constexpr std::uint64_t kTestsOfAnyWalk = 200;
 
 impact::PairOptions optionsOf(const Scene& scene) {
   impact::PairOptions options;
