@@ -54,6 +54,7 @@ class Engine::Impl {
   TimeLine time_line_;
   PairTable pairs_;
   EventQueue queue_;
+  std::vector<int> freezing_;                ///< objects that may freeze
   std::vector<int> changed_;                 ///< tracks that pruning has not looked at
   std::vector<std::size_t> prune_at_;        ///< by track: samples kept
   std::optional<Nanoseconds> solved_to_ns_;  ///< the watermark that pairs have been solved at
@@ -68,6 +69,8 @@ Engine::Impl::Impl(std::shared_ptr<const Scene> scene, const MethodFactory& make
       time_line_(makeTracks(*scene_), toNanoseconds(scene_->time.timeout)),
       pairs_(*scene_, time_line_, make_method, options),
       prune_at_(scene_->objects.size(), kSamplesBeforePruning) {
+  for (std::size_t i = 0; i < scene_->objects.size(); ++i)
+    if (scene_->objects[i].on_timeout == OnTimeout::kFreeze) freezing_.push_back(static_cast<int>(i));
   startEpoch();
 }
 
@@ -186,9 +189,21 @@ void Engine::Impl::prune() {
 
 /// No event before this can still come.
 Instant Engine::Impl::decidedUpTo() const {
-  const Instant known = instantAt(*time_line_.watermark());
+  const Nanoseconds watermark = *time_line_.watermark();
+  Nanoseconds known = watermark, frozen = kForEver;
+  const std::vector<Track>& tracks = time_line_.tracks();
+  for (const int object : freezing_)
+    if (tracks[object].isFrozen())
+      frozen = std::min(frozen, tracks[object].stamp(tracks[object].endIndex() - 1));
+  if (frozen < kForEver) {
+    // What moves beside a frozen object is solved by whole pieces: up to its last stamp that is known.
+    for (const Track& track : tracks)
+      if (track.status() == Track::Status::kLive && track.lastReleased())
+        known =
+            std::min(known, std::max(frozen, track.stamp(track.indexAt(watermark, track.endIndex() - 1))));
+  }
   const std::optional<Instant> open = pairs_.openSince();
-  return open ? std::min(known, *open) : known;
+  return open ? std::min(instantAt(known), *open) : instantAt(known);
 }
 
 void Engine::Impl::publishBefore(const Instant& limit) {
@@ -252,16 +267,7 @@ Cut Engine::Impl::cut() {
 bool Engine::Impl::hasPublished(std::uint32_t epoch, std::optional<Nanoseconds> stamp_ns) const {
   if (time_line_.epoch() != epoch) return time_line_.epoch() > epoch;
   if (!stamp_ns) return true;
-  if (!time_line_.watermark() || !(instantAt(*stamp_ns) < decidedUpTo())) return false;
-  const std::vector<Track>& tracks = time_line_.tracks();
-  if (std::none_of(tracks.begin(), tracks.end(), [](const Track& track) { return track.isFrozen(); }))
-    return true;
-  // What moves beside a frozen object is solved by whole pieces, up to its last stamp before the watermark.
-  return std::all_of(tracks.begin(), tracks.end(), [&](const Track& track) {
-    if (track.status() != Track::Status::kLive || !track.lastReleased()) return true;
-    const std::size_t last = track.indexAt(*time_line_.watermark(), track.endIndex() - 1);
-    return *stamp_ns < track.stamp(last);
-  });
+  return time_line_.watermark() && instantAt(*stamp_ns) < decidedUpTo();
 }
 
 // ---- the public face

@@ -45,7 +45,7 @@ class PieceCursor {
 
   std::size_t a_ = 0, b_ = 0;  ///< the samples that begin the current segments
   bool begun_ = false;
-  bool is_first_ = false;  ///< no piece since it began
+  bool is_first_ = false;                                        ///< no piece since it began
   Nanoseconds at_ns_ = std::numeric_limits<Nanoseconds>::min();  ///< where the last piece ended
 };
 

@@ -160,6 +160,25 @@ TEST(Engine, AFrozenObjectIsMetWhereItStoppedButNotCertified) {
   EXPECT_TRUE(rig.engine.stats().uncovered_objects.empty());
 }
 
+// engine.h: "everything before it is decided and published"
+TEST(Engine, TheWatermarkWaitsForWhatMovesBesideAFrozenObject) {
+  Object sleeper = movingSphere("sleeper");
+  sleeper.on_timeout = OnTimeout::kFreeze;
+  Rig rig(sceneOf({movingSphere("clock"), sleeper, movingSphere("slow")}));
+  rig.feedLine(1, 0, 200, 100, 17.0, 0.0);
+  for (Nanoseconds t = 0; t <= 5000; t += 100) {
+    // Meets the sleeper at 3.2 s, between two of its stamps.
+    if (t % 1000 == 0) rig.engine.addPose(2, poseAt(t, 0.005 * static_cast<double>(t)));
+    if (t >= 1400) rig.engine.addPose(0, poseAt(t - 1400, 100.0));
+  }
+  EXPECT_TRUE(rig.events.empty());
+  EXPECT_EQ(rig.engine.stats().watermark_ns, 3000 * kMs);
+  rig.feedLine(0, 3700, 5000, 100, 100.0, 0.0);
+  EXPECT_EQ(rig.engine.stats().watermark_ns, 4000 * kMs);
+  ASSERT_EQ(kinds(rig.events), (Kinds{"IMPACT/UNCERTIFIED/TIMEOUT", "SEPARATION/UNCERTIFIED/TIMEOUT"}));
+  EXPECT_EQ(rig.events[0].stamp_ns, 3200 * kMs);
+}
+
 TEST(Engine, AnObjectThatNeverComesIsNamed) {
   Rig rig(sceneOf({movingSphere("absent"), movingSphere("ball"), fixedSphere("wall", 10.0)}));
   rig.feedLine(1, 0, 1600, 100, 0.0, 20.0);
