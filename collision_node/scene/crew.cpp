@@ -1,16 +1,17 @@
 #include "collision_node/scene/crew.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <thread>
 
 namespace collision_node::scene {
 
 struct Crew::Arena {
-  explicit Arena(int threads) : arena(std::min(threads, tbb::info::default_concurrency())) {}
+  explicit Arena(int threads)
+      : arena(std::min(threads, static_cast<int>(std::max(1u, std::thread::hardware_concurrency())))) {}
   tbb::task_arena arena;
 };
 
