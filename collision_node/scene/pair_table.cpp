@@ -183,7 +183,8 @@ Nanoseconds PairTable::settledUntil(int object) const {
   if (track.isFixed()) return kForEver;
   const std::size_t index = settled(object);
   const Nanoseconds stamp = track.stamp(index);
-  if (track.sample(index).after == After::kOpen) return stamp;
+  const bool is_new = settled_[object] <= track.firstIndex();
+  if (is_new || track.sample(index).after == After::kOpen) return stamp;
   if (track.has(index + 1)) return track.stamp(index + 1);
   return std::max(stamp, world_.time_line.watermark().value_or(stamp));
 }
@@ -205,7 +206,7 @@ void PairTable::wakeUp(int object) {
 void PairTable::goOnBehindProof(ObjectPair& pair, Nanoseconds proved_ns) {
   const int a = pair.a(), b = pair.b();
   const Nanoseconds until = std::min({proved_ns, settledUntil(a), settledUntil(b)});
-  pair.jumpTo(world_.track(a).indexAt(until, settled(a)), world_.track(b).indexAt(until, settled(b)), until);
+  pair.jumpTo(world_.track(a).indexAt(until, settled(a)), world_.track(b).indexAt(until, settled(b)));
   ++pair.place.nap;
   if (pair.tryToRest(world_)) {
     layDown(pair);
@@ -278,6 +279,7 @@ void PairTable::finish(EventQueue& queue) {
 
 void PairTable::end(EventQueue& queue) {
   solve(kForEver, queue);
+  are_fixed_tested_ = true;  // now at the latest
   for (const auto& pair : statics_) {
     pair->endTest(world_);
     takeAway(*pair, queue);
