@@ -152,5 +152,32 @@ TEST(EngineRest, AResumedObjectThatWasFrozenIsMetFromWhereItComesBack) {
   }
 }
 
+/// A dropped object may come back at the watermark, which a third one holds back, and meet what the second
+/// one did since: the second one's newest samples must not count as settled for the two.
+TEST(EngineRest, AnObjectThatComesBackMeetsWhereAnotherWasSinceTheWatermark) {
+  for (const int bystanders : {0, 60}) {
+    std::vector<Object> objects = {movingSphere("back"), movingSphere("runner"), movingSphere("slow clock")};
+    for (int i = 0; i < bystanders; ++i)
+      objects.push_back(fixedSphere("w" + std::to_string(100 + i), 1e4 + 9.0 * i));
+    for (const bool everything : {false, true}) {
+      SCOPED_TRACE(std::to_string(bystanders) + (everything ? ", everything" : ", planned"));
+      Rig rig(sceneOf(objects), kCertified, {everything, 1});
+      const auto runs = [](Nanoseconds t) { return t < 2400 ? 0.0 : 0.05 * static_cast<double>(t - 2400); };
+      for (Nanoseconds t = 0; t <= 3400; t += 20) {
+        if (t <= 1000) rig.engine.addPose(0, poseAt(t, 46.0));
+        rig.engine.addPose(1, poseAt(t, runs(t)));
+        if (t >= 1000) rig.engine.addPose(2, poseAt(t - 1000, 1000.0 + 1e-3 * static_cast<double>(t)));
+      }
+      // The runner is known up to 3.3 s, where it is nearly at the place that the first one was seen last.
+      for (Nanoseconds t = 2300; t <= 3400; t += 20) rig.engine.addPose(0, poseAt(t, 0.25));
+      for (Nanoseconds t = 2420; t <= 3400; t += 20) rig.engine.addPose(2, poseAt(t, 1000.0));
+      rig.engine.flush();
+      ASSERT_EQ(kinds(rig.events),
+                (std::vector<std::string>{"INITIAL_OVERLAP/CONFIRMED/NONE", "SEPARATION/CONFIRMED/NONE"}));
+      EXPECT_EQ(rig.events[0].stamp_ns, 2300 * kMs);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace collision_node::scene
