@@ -1,72 +1,56 @@
-/// A tree of boxes that come and go one by one.
+/// A tree of boxes that come and go one by one, sixteen a node.
 ///
-/// Guarantee: visit() calls for every box in the tree that meets what is asked about; a box that only touches
-/// counts. Insertion and removal follow one path to the root. Source: E. Catto, b2DynamicTree (2009): surface
-/// area descent, rotations of an AVL tree.
+/// Guarantee: find() names every box in the tree that meets what is asked about; a box that only touches
+/// counts. Source: A. Guttman, R-trees (1984); nodes laid out so that one operation serves all boxes of one.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "collision_node/scene/sweep.h"
+#include "collision_node/scene/float_box.h"
 
 namespace collision_node::scene {
 
 class BoxTree {
  public:
-  /// Returns the leaf's name, which it keeps until it is removed.
-  std::int32_t insert(const Bounds& box, std::int32_t item);
-  void remove(std::int32_t leaf);
+  BoxTree() { clear(); }
+
+  /// `item` >= 0 names the box; no other in the tree may have its name.
+  void insert(const FloatBox& box, std::int32_t item);
+  void remove(std::int32_t item);
   void clear();
 
-  const Bounds& box(std::int32_t leaf) const { return nodes_[leaf].box; }
-  std::int32_t item(std::int32_t leaf) const { return nodes_[leaf].child[0]; }
+  FloatBox box(std::int32_t item) const;
   std::size_t size() const { return size_; }
 
-  /// `Question` has meets(const Bounds&), which may err on the side of true. Calls found(leaf).
-  template <typename Question, typename Found>
-  void visit(const Question& question, Found&& found) const {
-    if (root_ < 0) return;
-    // Depth first: one for each level and one more wait at most.
-    std::int32_t usual[kUsualHeight + 1];
-    std::vector<std::int32_t> higher(nodes_[root_].height > kUsualHeight ? nodes_[root_].height + 1 : 0);
-    std::int32_t* stack = higher.empty() ? usual : higher.data();
-    int waiting = 0;
-    stack[waiting++] = root_;
-    while (waiting > 0) {
-      const std::int32_t index = stack[--waiting];
-      const Node& node = nodes_[index];
-      if (!question.meets(node.box)) continue;
-      if (node.height == 0) {
-        found(index);
-      } else {
-        __builtin_prefetch(&nodes_[node.child[0]]);
-        stack[waiting++] = node.child[0];
-        stack[waiting++] = node.child[1];
-      }
-    }
-  }
+  /// Adds to `items`.
+  void find(const FloatBox& box, std::vector<std::int32_t>& items) const;
+  void find(const FloatLine& line, std::vector<std::int32_t>& items) const;
 
- private:
-  static constexpr int kUsualHeight = 63;  ///< balanced trees of a million leaves have half of it
-
-  /// One line of the cache.
+  static constexpr int kWidth = 16;
   struct alignas(64) Node {
-    Bounds box{Vec3::Zero(), Vec3::Zero()};
-    std::int32_t parent = -1;
-    std::int32_t child[2] = {-1, -1};  ///< of a leaf: its item, and nothing
-    std::int32_t height = 0;           ///< of a leaf: 0
+    float plane[6][kWidth];       ///< of an empty lane: inside out
+    std::int32_t child[kWidth];  ///< a node; on level 0: an item
+    std::int32_t parent;         ///< the place above: kWidth * node + lane
+    std::int32_t count;          ///< the first so many lanes are in use
+    std::int32_t level;
   };
 
-  std::int32_t newNode();
-  std::int32_t bestSibling(const Bounds& box) const;
-  void refit(std::int32_t node);
-  void mend(std::int32_t node);
-  std::int32_t balance(std::int32_t node);
-  void replaceChild(std::int32_t parent, std::int32_t child, std::int32_t by);
+ private:
+  std::int32_t newNode(std::int32_t level);
+  void freeNode(std::int32_t node);
+  void insertAt(std::int32_t level, const FloatBox& box, std::int32_t child);
+  void put(std::int32_t node, const FloatBox& box, std::int32_t child);
+  void set(std::int32_t node, int lane, const FloatBox& box, std::int32_t child);
+  void split(std::int32_t node, const FloatBox& box, std::int32_t child);
+  void takeOut(std::int32_t place);
+  void dissolve(std::int32_t node);
+  void shrink(std::int32_t node);
 
   std::vector<Node> nodes_;
-  std::int32_t root_ = -1, free_ = -1;  ///< free nodes hang together by `parent`
+  std::vector<std::int32_t> place_;  ///< by item
+  std::vector<std::int32_t> free_;
+  std::int32_t root_ = 0;
   std::size_t size_ = 0;
 };
 

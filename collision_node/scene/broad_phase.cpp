@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "collision_node/scene/block_question.h"
-
 namespace collision_node::scene {
 
 namespace {
@@ -32,113 +30,78 @@ Bounds roomFor(const Sweep& sweep) {
 }  // namespace
 
 void BroadPhase::stand(const std::vector<int>& objects, const std::vector<Bounds>& boxes) {
-  standing_objects_ = objects;
-  standing_ = boxes;
-  for (std::size_t i = 0; i < objects.size(); ++i)
-    objects_[objects[i]].standing = static_cast<std::int32_t>(i);
-  if (objects.empty()) return;
-  standing_tree_ = geometry::Bvh(boxes);
-  for (const Bounds& box : boxes) {
-    const Vec3 far = (box.lower - standing_tree_.origin())
-                         .cwiseAbs()
-                         .cwiseMax((box.upper - standing_tree_.origin()).cwiseAbs());
-    standing_far_ = standing_far_.cwiseMax(far);
+  for (const Bounds& box : boxes) origin_ += 0.5 * (box.lower + box.upper) / static_cast<double>(boxes.size());
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    Object& object = objects_[objects[i]];
+    object.stands = true;
+    object.box = imageOf(boxes[i], origin_);
+    standing_tree_.insert(object.box, objects[i]);
   }
 }
 
 void BroadPhase::startEpoch() {
-  for (Object& object : objects_) {
-    object.stays.clear();
-    object.open = -1;
-  }
+  for (Object& object : objects_) object.open = object.first = -1;
   tree_.clear();
   stays_.clear();
-  free_stays_.clear();
+  free_ = -1;
   endings_ = {};
-}
-
-template <typename Question>
-void BroadPhase::askStanding(const Question& question) {
-  if (standing_.empty()) return;
-  const auto take = [&](std::int32_t index) {
-    if (question.meets(standing_[index])) found_.push_back(standing_objects_[index]);
-  };
-  const BlockQuestion block_question(question, standing_tree_.origin(), standing_far_.maxCoeff());
-  const std::int32_t root = standing_tree_[geometry::Bvh::kRoot].link;
-  if (root < 0) {
-    take(~root);
-    return;
-  }
-  waiting_.assign(1, root);
-  while (!waiting_.empty()) {
-    const geometry::BvhBlock& block = standing_tree_.block(waiting_.back());
-    waiting_.pop_back();
-    bool meets[geometry::BvhBlock::kWidth];
-    block_question.ask(block, meets);
-    for (int i = 0; i < geometry::BvhBlock::kWidth; ++i) {
-      if (!meets[i]) continue;
-      if (block.link[i] < 0) {
-        take(~block.link[i]);
-      } else {
-        waiting_.push_back(block.link[i]);
-      }
-    }
-  }
 }
 
 const std::vector<int>& BroadPhase::standingNear(const Bounds& box) {
   found_.clear();
-  askStanding(BoxQuestion{box});
+  standing_tree_.find(imageOf(box, origin_), found_);
   return found_;
 }
 
 template <typename Question>
 void BroadPhase::ask(int object, const Question& question, Nanoseconds from_ns, Nanoseconds to_ns) {
   found_.clear();
-  askStanding(question);
-  tree_.visit(question, [&](std::int32_t leaf) {
-    const Stay& other = stays_[tree_.item(leaf)];
+  tree_.find(question, found_);
+  std::size_t kept = 0;
+  for (const std::int32_t index : found_) {
+    const Stay& other = stays_[index];
     if (other.object != object && other.from_ns <= to_ns && from_ns <= other.to_ns)
-      found_.push_back(other.object);
-  });
+      found_[kept++] = other.object;
+  }
+  found_.resize(kept);
+  if (standing_tree_.size() > 0) standing_tree_.find(question, found_);
 }
 
 const std::vector<int>& BroadPhase::move(int object, const Sweep& sweep, Nanoseconds from_ns,
                                          Nanoseconds to_ns, bool begins_anew) {
-  const std::int32_t open = objects_[object].open;
-  if (!begins_anew && open >= 0 && holds(tree_.box(stays_[open].leaf), sweep.box)) {
+  Object& own = objects_[object];
+  if (!begins_anew && own.open >= 0 && own.box.holds(imageOf(sweep.box, origin_))) {
     found_.clear();
     return found_;
   }
   if (!sweep.isLong()) return stay(object, roomFor(sweep), from_ns);
   close(object, from_ns);
-  ask(object, LineQuestion(sweep), from_ns, to_ns);
-  begin(object, sweep.box, from_ns, to_ns, false);
+  const FloatLine line(sweep, origin_);
+  ask(object, line, from_ns, to_ns);
+  endings_.push({to_ns, begin(object, line.box, from_ns, to_ns)});
   return found_;
 }
 
 const std::vector<int>& BroadPhase::stay(int object, const Bounds& box, Nanoseconds from_ns) {
   close(object, from_ns);
-  ask(object, BoxQuestion{box}, from_ns, kForEver);
-  begin(object, box, from_ns, kForEver, true);
+  Object& own = objects_[object];
+  own.box = imageOf(box, origin_);
+  ask(object, own.box, from_ns, kForEver);
+  own.open = begin(object, own.box, from_ns, kForEver);
   return found_;
 }
 
-void BroadPhase::begin(int object, const Bounds& box, Nanoseconds from_ns, Nanoseconds to_ns, bool lasts) {
-  std::int32_t index = static_cast<std::int32_t>(stays_.size());
-  if (free_stays_.empty()) {
+std::int32_t BroadPhase::begin(int object, const FloatBox& box, Nanoseconds from_ns, Nanoseconds to_ns) {
+  std::int32_t index = free_;
+  if (index < 0) {
+    index = static_cast<std::int32_t>(stays_.size());
     stays_.emplace_back();
   } else {
-    index = free_stays_.back();
-    free_stays_.pop_back();
+    free_ = stays_[index].next;
   }
-  stays_[index] = {object, from_ns, to_ns, tree_.insert(box, index)};
-  objects_[object].stays.push_back(index);
-  if (lasts) {
-    objects_[object].open = index;
-  } else {
-    endings_.push({to_ns, index});
-  }
+  stays_[index] = {box, object, std::exchange(objects_[object].first, index), from_ns, to_ns};
+  tree_.insert(box, index);
+  return index;
 }
 
 void BroadPhase::close(int object, Nanoseconds ns) {
@@ -152,25 +115,24 @@ void BroadPhase::forgetBefore(Nanoseconds ns) {
   while (!endings_.empty() && endings_.top().first <= ns) {
     const std::int32_t index = endings_.top().second;
     endings_.pop();
-    tree_.remove(stays_[index].leaf);
-    std::vector<std::int32_t>& own = objects_[stays_[index].object].stays;
-    own.erase(std::find(own.begin(), own.end(), index));
-    free_stays_.push_back(index);
+    tree_.remove(index);
+    Stay& stay = stays_[index];
+    std::int32_t* link = &objects_[stay.object].first;
+    while (*link != index) link = &stays_[*link].next;
+    *link = std::exchange(stay.next, std::exchange(free_, index));
   }
 }
 
 bool BroadPhase::mayMeet(int a, int b) const {
-  if (objects_[a].standing >= 0) std::swap(a, b);
+  if (objects_[a].stands) std::swap(a, b);
   const Object& first = objects_[a];
   const Object& second = objects_[b];
-  for (const std::int32_t i : first.stays) {
+  for (std::int32_t i = first.first; i >= 0; i = stays_[i].next) {
     const Stay& stay = stays_[i];
-    if (second.standing >= 0 && meet(tree_.box(stay.leaf), standing_[second.standing])) return true;
-    for (const std::int32_t k : second.stays) {
+    if (second.stands && stay.box.meets(second.box)) return true;
+    for (std::int32_t k = second.first; k >= 0; k = stays_[k].next) {
       const Stay& other = stays_[k];
-      if (other.from_ns <= stay.to_ns && stay.from_ns <= other.to_ns &&
-          meet(tree_.box(stay.leaf), tree_.box(other.leaf)))
-        return true;
+      if (other.from_ns <= stay.to_ns && stay.from_ns <= other.to_ns && stay.box.meets(other.box)) return true;
     }
   }
   return false;
