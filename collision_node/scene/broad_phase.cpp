@@ -16,7 +16,8 @@ constexpr double kSegmentsAhead = 8.0, kRadiiAhead = 2.0;
 
 /// A box for an object that may go on as it does. Any box that holds the sweep is right.
 Bounds roomFor(const Sweep& sweep) {
-  Bounds box = grown(sweep.box, kRoom * sweep.radius);
+  const Vec3 room = Vec3::Constant(kRoom * sweep.radius);
+  Bounds box{sweep.box.lower - room, sweep.box.upper + room};
   const Vec3 way = sweep.to - sweep.from;
   const double length = way.norm();
   if (length > 0.0) {
@@ -44,7 +45,7 @@ void BroadPhase::startEpoch() {
   tree_.clear();
   stays_.clear();
   free_ = -1;
-  endings_ = {};
+  endings_.clear();
 }
 
 const std::vector<int>& BroadPhase::standingNear(const Bounds& box) {
@@ -78,7 +79,7 @@ const std::vector<int>& BroadPhase::move(int object, const Sweep& sweep, Nanosec
   close(object, from_ns);
   const FloatLine line(sweep, origin_);
   ask(object, line, from_ns, to_ns);
-  endings_.push({to_ns, begin(object, line.box, from_ns, to_ns)});
+  endings_.add(to_ns, begin(object, line.box, from_ns, to_ns));
   return found_;
 }
 
@@ -108,19 +109,17 @@ void BroadPhase::close(int object, Nanoseconds ns) {
   const std::int32_t open = std::exchange(objects_[object].open, -1);
   if (open < 0) return;
   stays_[open].to_ns = ns;
-  endings_.push({ns, open});
+  endings_.add(ns, open);
 }
 
 void BroadPhase::forgetBefore(Nanoseconds ns) {
-  while (!endings_.empty() && endings_.top().first <= ns) {
-    const std::int32_t index = endings_.top().second;
-    endings_.pop();
+  endings_.advance(ns, [this](std::int32_t index) {
     tree_.remove(index);
     Stay& stay = stays_[index];
     std::int32_t* link = &objects_[stay.object].first;
     while (*link != index) link = &stays_[*link].next;
     *link = std::exchange(stay.next, std::exchange(free_, index));
-  }
+  });
 }
 
 bool BroadPhase::mayMeet(int a, int b) const {

@@ -8,13 +8,11 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <queue>
-#include <utility>
 #include <vector>
 
 #include "collision_node/motion/stamped_pose.h"
 #include "collision_node/scene/box_tree.h"
+#include "collision_node/scene/endings.h"
 #include "collision_node/scene/sweep.h"
 
 namespace collision_node::scene {
@@ -77,8 +75,7 @@ class BroadPhase {
   BoxTree tree_, standing_tree_;
   std::vector<Stay> stays_;
   std::int32_t free_ = -1;  ///< stays that are none hang together by `next`
-  using Ending = std::pair<Nanoseconds, std::int32_t>;
-  std::priority_queue<Ending, std::vector<Ending>, std::greater<>> endings_;  ///< of stays that are over
+  Endings endings_;  ///< of stays that are over
   std::vector<int> found_;
 };
 
