@@ -31,7 +31,9 @@ Bounds roomFor(const Sweep& sweep) {
 }  // namespace
 
 void BroadPhase::stand(const std::vector<int>& objects, const std::vector<Bounds>& boxes) {
-  for (const Bounds& box : boxes) origin_ += 0.5 * (box.lower + box.upper) / static_cast<double>(boxes.size());
+  Vec3 middle = Vec3::Zero();
+  for (const Bounds& box : boxes) middle += 0.5 * (box.lower + box.upper) / static_cast<double>(boxes.size());
+  if (!boxes.empty()) seeFrom(middle);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     Object& object = objects_[objects[i]];
     object.stands = true;
@@ -40,38 +42,53 @@ void BroadPhase::stand(const std::vector<int>& objects, const std::vector<Bounds
   }
 }
 
+/// Floats are fine near their origin only: it is where the first box is.
+void BroadPhase::seeFrom(const Vec3& place) {
+  if (has_origin_) return;
+  has_origin_ = true;
+  origin_ = place;
+}
+
 void BroadPhase::startEpoch() {
+  has_origin_ = standing_tree_.size() > 0;
   for (Object& object : objects_) object.open = object.first = -1;
   tree_.clear();
   stays_.clear();
+  boxes_.clear();
   free_ = -1;
   endings_.clear();
 }
 
+template <typename Question>
+void BroadPhase::askStanding(const Question& question) {
+  if (standing_tree_.size() == 0) return;
+  standing_tree_.find(question, walk_);
+  found_.insert(found_.end(), walk_.items(), walk_.items() + walk_.count());
+}
+
 const std::vector<int>& BroadPhase::standingNear(const Bounds& box) {
   found_.clear();
-  standing_tree_.find(imageOf(box, origin_), found_);
+  askStanding(imageOf(box, origin_));
   return found_;
 }
 
 template <typename Question>
 void BroadPhase::ask(int object, const Question& question, Nanoseconds from_ns, Nanoseconds to_ns) {
   found_.clear();
-  tree_.find(question, found_);
-  std::size_t kept = 0;
-  for (const std::int32_t index : found_) {
-    const Stay& other = stays_[index];
+  askStanding(question);
+  tree_.find(question, walk_);
+  for (std::size_t i = 0; i < walk_.count(); ++i) {
+    const Stay& other = stays_[walk_.items()[i]];
     if (other.object != object && other.from_ns <= to_ns && from_ns <= other.to_ns)
-      found_[kept++] = other.object;
+      found_.push_back(other.object);
   }
-  found_.resize(kept);
-  if (standing_tree_.size() > 0) standing_tree_.find(question, found_);
 }
 
 const std::vector<int>& BroadPhase::move(int object, const Sweep& sweep, Nanoseconds from_ns,
                                          Nanoseconds to_ns, bool begins_anew) {
+  seeFrom(sweep.from);
   Object& own = objects_[object];
-  if (!begins_anew && own.open >= 0 && own.box.holds(imageOf(sweep.box, origin_))) {
+  if (!begins_anew && own.open >= 0 && holdsImage(own.box, sweep.box, origin_)) {
     found_.clear();
     return found_;
   }
@@ -84,6 +101,7 @@ const std::vector<int>& BroadPhase::move(int object, const Sweep& sweep, Nanosec
 }
 
 const std::vector<int>& BroadPhase::stay(int object, const Bounds& box, Nanoseconds from_ns) {
+  seeFrom(0.5 * (box.lower + box.upper));
   close(object, from_ns);
   Object& own = objects_[object];
   own.box = imageOf(box, origin_);
@@ -97,10 +115,12 @@ std::int32_t BroadPhase::begin(int object, const FloatBox& box, Nanoseconds from
   if (index < 0) {
     index = static_cast<std::int32_t>(stays_.size());
     stays_.emplace_back();
+    boxes_.emplace_back();
   } else {
     free_ = stays_[index].next;
   }
-  stays_[index] = {box, object, std::exchange(objects_[object].first, index), from_ns, to_ns};
+  boxes_[index] = box;
+  stays_[index] = {object, std::exchange(objects_[object].first, index), from_ns, to_ns};
   tree_.insert(box, index);
   return index;
 }
@@ -128,10 +148,11 @@ bool BroadPhase::mayMeet(int a, int b) const {
   const Object& second = objects_[b];
   for (std::int32_t i = first.first; i >= 0; i = stays_[i].next) {
     const Stay& stay = stays_[i];
-    if (second.stands && stay.box.meets(second.box)) return true;
+    if (second.stands && boxes_[i].meets(second.box)) return true;
     for (std::int32_t k = second.first; k >= 0; k = stays_[k].next) {
       const Stay& other = stays_[k];
-      if (other.from_ns <= stay.to_ns && stay.from_ns <= other.to_ns && stay.box.meets(other.box)) return true;
+      if (other.from_ns <= stay.to_ns && stay.from_ns <= other.to_ns && boxes_[i].meets(boxes_[k]))
+        return true;
     }
   }
   return false;

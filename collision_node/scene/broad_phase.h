@@ -54,28 +54,34 @@ class BroadPhase {
 
  private:
   struct Stay {
-    FloatBox box;
     std::int32_t object, next;  ///< the object's next
     Nanoseconds from_ns, to_ns;
   };
   struct Object {
-    FloatBox box;              ///< of the stay that lasts, or of who stands
-    std::int32_t open = -1;    ///< the stay that lasts
-    std::int32_t first = -1;   ///< of its stays
+    FloatBox box;             ///< of the stay that lasts, or of who stands
+    std::int32_t open = -1;   ///< the stay that lasts
+    std::int32_t first = -1;  ///< of its stays
     bool stands = false;
   };
 
+  template <typename Question>
+  void askStanding(const Question& question);
   template <typename Question>
   void ask(int object, const Question& question, Nanoseconds from_ns, Nanoseconds to_ns);
   std::int32_t begin(int object, const FloatBox& box, Nanoseconds from_ns, Nanoseconds to_ns);
   void close(int object, Nanoseconds ns);
 
+  void seeFrom(const Vec3& place);
+
+  bool has_origin_ = false;
   Vec3 origin_ = Vec3::Zero();  ///< of all boxes in floats
   std::vector<Object> objects_;
   BoxTree tree_, standing_tree_;
   std::vector<Stay> stays_;
-  std::int32_t free_ = -1;  ///< stays that are none hang together by `next`
-  Endings endings_;  ///< of stays that are over
+  std::vector<FloatBox> boxes_;  ///< of the stays
+  std::int32_t free_ = -1;       ///< stays that are none hang together by `next`
+  Endings endings_;              ///< of stays that are over
+  BoxWalk walk_;
   std::vector<int> found_;
 };
 

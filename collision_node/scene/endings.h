@@ -27,8 +27,8 @@ class Endings {
     const std::uint64_t next = std::max(ordered(ns), now_);
     const int highest = bitsOf(next ^ now_);
     now_ = next;
-    // Who differs from the old instant in a lower bit than the new one does is before the new one; who differs in a
-    // higher bit is behind it, and differs from it in the same bit.
+    // Who differs from the old instant in a lower bit than the new one does is before the new one; who
+    // differs in a higher bit is behind it, and differs from it in the same bit.
     for (int bit = 0; bit <= highest; ++bit) {
       ending_.swap(lists_[bit]);
       for (const Ending& ending : ending_) {

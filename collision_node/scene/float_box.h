@@ -1,6 +1,7 @@
 /// Boxes in floats, as the broad phase keeps and compares them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -14,32 +15,54 @@ struct FloatBox {
 
   bool meets(const FloatBox& other) const {
     bool all = true;
-    for (int k = 0; k < 3; ++k)
-      all = all && plane[k] <= other.plane[3 + k] && other.plane[k] <= plane[3 + k];
+    for (int k = 0; k < 3; ++k) all = all && plane[k] <= other.plane[3 + k] && other.plane[k] <= plane[3 + k];
     return all;
   }
   bool holds(const FloatBox& inner) const {
     bool all = true;
-    for (int k = 0; k < 3; ++k)
-      all = all && plane[k] <= inner.plane[k] && inner.plane[3 + k] <= plane[3 + k];
+    for (int k = 0; k < 3; ++k) all = all && plane[k] <= inner.plane[k] && inner.plane[3 + k] <= plane[3 + k];
     return all;
   }
 };
 
-/// `box` as seen from `origin`, rounded outward. Guarantee: images of boxes that meet do meet, and so does any
-/// box that holds one of the images. A difference of doubles never falls when what it is taken of grows, and
-/// what is rounded down is never above what is rounded up: the order of two planes stays.
+inline FloatBox around(const FloatBox& a, const FloatBox& b) {
+  FloatBox both;
+  for (int k = 0; k < 3; ++k) {
+    both.plane[k] = std::min(a.plane[k], b.plane[k]);
+    both.plane[3 + k] = std::max(a.plane[3 + k], b.plane[3 + k]);
+  }
+  return both;
+}
+
+/// `box` as seen from `origin`, rounded outward. Guarantee: images of boxes that meet do meet, and so does
+/// any box that holds one of the images. A difference of doubles never falls when what it is taken of grows,
+/// and what is rounded down is never above what is rounded up: the order of two planes stays. All planes are
+/// finite; one that is out of a float's reach, or no number, is as far outside as there is.
 inline FloatBox imageOf(const Bounds& box, const Vec3& origin) {
+  constexpr double kMost = std::numeric_limits<float>::max();
   FloatBox image;
   for (int k = 0; k < 3; ++k) {
-    image.plane[k] = geometry::roundedDown(box.lower[k] - origin[k]);
-    image.plane[3 + k] = geometry::roundedUp(box.upper[k] - origin[k]);
+    const double lower = box.lower[k] - origin[k], upper = box.upper[k] - origin[k];
+    image.plane[k] = geometry::roundedDown(lower > -kMost ? std::min(lower, kMost) : -kMost);
+    image.plane[3 + k] = geometry::roundedUp(upper < kMost ? std::max(upper, -kMost) : kMost);
   }
   return image;
 }
 
+/// outer.holds(imageOf(inner, origin)), without rounding: a number is not below a float when it is not when
+/// rounded down.
+inline bool holdsImage(const FloatBox& outer, const Bounds& inner, const Vec3& origin) {
+  unsigned outside = 0;
+  for (int k = 0; k < 3; ++k) {
+    outside |= !(static_cast<double>(outer.plane[k]) <= inner.lower[k] - origin[k]);
+    outside |= !(inner.upper[k] - origin[k] <= static_cast<double>(outer.plane[3 + k]));
+  }
+  return outside == 0;
+}
+
 /// The surroundings of a straight line, for slabs as of T. Kay and J. Kajiya 1986: between the planes of an
-/// axis it is from (near plane - enter_at) * inverse to (far plane - leave_at) * inverse, in shares of its way.
+/// axis it is from (near plane - enter_at) * inverse to (far plane - leave_at) * inverse, in shares of its
+/// way.
 ///
 /// Guarantee: whatever comes within the sweep's radius of the line meets the box, and has, over all axes,
 /// enter <= leave * (1 + kWider) + kLater, with 0 <= enter and leave <= 1; as long as the radius has 2^-45 of
