@@ -36,8 +36,10 @@ class UrdfFile : public ::testing::Test {
     return parseUrdf(xml, "arm.urdf", [&](const std::string& uri, const Vec3& scale) {
       asked_.push_back(uri);
       if (uri.find("://") != std::string::npos) throw LoadError(uri + ": nobody knows this place");
-      return std::make_shared<const TriangleMesh>(
-          loadMesh(folder_.path() + "/" + uri, scale, SolidChoice::kAuto));
+      auto mesh =
+          std::make_shared<TriangleMesh>(loadMesh(folder_.path() + "/" + uri, scale, SolidChoice::kAuto));
+      mesh->report.source = uri;
+      return mesh;
     });
   }
   std::string refusal(const std::string& xml) {
