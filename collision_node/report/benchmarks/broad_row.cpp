@@ -46,23 +46,28 @@ std::vector<std::vector<Sweep>> traffic(std::size_t count) {
 }
 
 /// The ten lines everybody writes first.
-std::size_t sortAndSweep(const std::vector<std::vector<Sweep>>& steps, std::vector<std::uint32_t>& order) {
-  std::size_t pairs = 0;
-  for (const std::vector<Sweep>& step : steps) {
-    std::sort(order.begin(), order.end(), [&](std::uint32_t l, std::uint32_t r) {
-      return step[l].box.lower.x() < step[r].box.lower.x();
-    });
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      const Bounds& a = step[order[i]].box;
-      for (std::size_t k = i + 1; k < order.size(); ++k) {
-        const Bounds& b = step[order[k]].box;
+class SortAndSweep : public BroadPeer {
+ public:
+  explicit SortAndSweep(std::size_t count) : order_(count) { std::iota(order_.begin(), order_.end(), 0U); }
+
+  std::size_t pairs(const std::vector<Bounds>& boxes) override {
+    std::size_t pairs = 0;
+    std::sort(order_.begin(), order_.end(),
+              [&](std::uint32_t l, std::uint32_t r) { return boxes[l].lower.x() < boxes[r].lower.x(); });
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      const Bounds& a = boxes[order_[i]];
+      for (std::size_t k = i + 1; k < order_.size(); ++k) {
+        const Bounds& b = boxes[order_[k]];
         if (b.lower.x() > a.upper.x()) break;
         pairs += scene::meet(a, b) ? 1 : 0;
       }
     }
+    return pairs;
   }
-  return pairs;
-}
+
+ private:
+  std::vector<std::uint32_t> order_;
+};
 
 /// Every step's pairs of swept boxes that meet, but for those that thick lines keep apart.
 std::size_t ours(const std::vector<std::vector<Sweep>>& steps) {
@@ -106,28 +111,36 @@ void swarmLines(std::size_t count, double reach, bool only_ours, std::vector<Lin
     boxes.emplace_back();
     for (const Sweep& sweep : step) boxes.back().push_back(sweep.box);
   }
-  std::vector<std::uint32_t> order(count);
-  std::iota(order.begin(), order.end(), 0U);
-  std::size_t here = 0, there = 0, bullet = 0;
+  struct Other {
+    std::string name;
+    double reach;
+    std::unique_ptr<BroadPeer> peer;
+    std::size_t pairs;
+  };
+  std::vector<Other> others;
+  const auto compareWith = [&](const char* name, double wanted, std::unique_ptr<BroadPeer> peer) {
+    if (peer) others.push_back({name, wanted, std::move(peer), 0});
+  };
+  if (!only_ours) {
+    compareWith("sort and sweep", reach, std::make_unique<SortAndSweep>(count));
+    compareWith("FCL SSaP", 1.0, makeFclBroadPhase(boxes.front()));
+    compareWith("Bullet btDbvtBroadphase", 1.0, makeBulletBroadPhase(boxes.front()));
+  }
+  std::size_t here = 0;
   std::vector<std::function<void()>> calls = {[&] { here = ours(steps); }};
-  const std::unique_ptr<BroadPeer> peer = only_ours ? nullptr : makeBulletBroadPhase(boxes.front());
-  if (!only_ours) calls.push_back([&] { there = sortAndSweep(steps, order); });
-  if (peer)
-    calls.push_back([&] {
-      bullet = 0;
-      for (const std::vector<Bounds>& step : boxes) bullet += peer->pairs(step);
+  for (Other& other : others) {
+    calls.push_back([&other, &boxes] {
+      other.pairs = 0;
+      for (const std::vector<Bounds>& step : boxes) other.pairs += other.peer->pairs(step);
     });
+  }
   const std::vector<double> times = timeByTurns(calls);
   seconds = times[0] / kSteps;
-  const std::string name = "moving boxes, " + std::to_string(count);
-  const auto quality = [&](std::size_t theirs) {
-    return std::to_string(here) + " pairs | - | " + std::to_string(theirs) + " pairs | -";
-  };
-  if (!only_ours)
-    lines.push_back(lineOf(name, seconds, times[1] / kSteps, "sort and sweep", reach, quality(there)));
-  if (peer)
+  for (std::size_t i = 0; i < others.size(); ++i)
     lines.push_back(
-        lineOf(name, seconds, times[2] / kSteps, "Bullet btDbvtBroadphase", 1.0, quality(bullet)));
+        lineOf("moving boxes, " + std::to_string(count), seconds, times[i + 1] / kSteps, others[i].name,
+               others[i].reach,
+               std::to_string(here) + " pairs | - | " + std::to_string(others[i].pairs) + " pairs | -"));
 }
 
 void shotLine(bool only_ours, std::vector<Line>& lines) {
