@@ -19,6 +19,10 @@ std::vector<Line> bodyLines(bool only_ours);
 /// grows, and a shot over standing obstacles against one ray.
 std::vector<Line> broadLines(bool only_ours);
 
+/// The whole engine: ten thousand movers against the broad phase alone, with its memory; and two threads
+/// against one, in wall time.
+std::vector<Line> engineLines(bool only_ours);
+
 /// Bytes that operator new has handed out and not taken back.
 std::size_t liveBytes();
 
