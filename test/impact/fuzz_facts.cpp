@@ -41,8 +41,11 @@ class FactCheck {
       done.point = true;
       const Real off = norm(position - truth_.point);
       // The oracle's own point is as good as its bracket and the spread of its witnesses.
-      const Real own = truth_.point_spread + 100 * pair_.touchDistance() +
-                       (pair_.hasTwoCylinders() ? 1e-6L * pair_.size() : 1e-13L * pair_.smaller());
+      // Where it comes from a minimum along a cylinder, that is as flat as the body is large: its place is
+      // known to the square root of 80 bits' rounding.
+      const Real flat = pair_.hasTwoCylinders() ? 1e-6L : pair_.hasCylinder() ? 4e-10L : 0;
+      const Real own =
+          truth_.point_spread + 100 * pair_.touchDistance() + flat * pair_.size() + 1e-13L * pair_.smaller();
       // While two round bodies overlap by speed times bracket, they do so over the square root of that. The
       // ball is in the world, where both move meanwhile. At a distance flat sides face each other almost as
       // long as they are.

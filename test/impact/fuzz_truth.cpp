@@ -63,7 +63,8 @@ bool getsDeep(const Pair& pair, const Truth& truth) {
   const Pair held_back = pair.shifted(depth * truth.normal);
   for (Real wait = 1.5L; wait < 1e7L; wait *= 3) {
     const Real t = truth.first.hi + wait * moment;
-    if (t <= pair.duration() && held_back.touching(t)) return true;
+    if (t > pair.duration() || !pair.touching(t)) return false;  // over; a later contact may be deep
+    if (held_back.touching(t)) return true;
   }
   return false;
 }

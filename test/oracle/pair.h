@@ -72,11 +72,8 @@ class Pair {
   Real scale() const { return scale_; }  ///< bounds every relative coordinate on the piece [m]
   /// Two cylinders may meet: their static distance is only good to about 1e-12 of the size when they almost
   /// touch.
-  bool hasTwoCylinders() const {
-    const auto round = [](const Part& p) { return p.count == 0; };
-    return std::any_of(a_.parts.begin(), a_.parts.end(), round) &&
-           std::any_of(b_.parts.begin(), b_.parts.end(), round);
-  }
+  bool hasCylinder() const { return hasCylinder(a_) || hasCylinder(b_); }
+  bool hasTwoCylinders() const { return hasCylinder(a_) && hasCylinder(b_); }
   /// Below this two sets count as touching: a few hundred roundings of the largest coordinate, and of the
   /// largest angle. [m]
   Real touchDistance() const { return (2e-17L + 1e-18L * turn_) * scale_; }
@@ -225,6 +222,10 @@ class Pair {
   }
 
  private:
+  static bool hasCylinder(const Model& m) {
+    return std::any_of(m.parts.begin(), m.parts.end(), [](const Part& p) { return p.count == 0; });
+  }
+
   /// Looks for a touching instant just behind out.lo and narrows it down. Leaves `verified` false where none
   /// shows.
   void verify(FirstTouch& out, Real to) const {
