@@ -13,8 +13,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUp = 1.0 + 64.0 * kUnit;
 
 /// Split time rather than space when the motion's remainder exceeds this share of the nodes' sizes (measured:
-/// flat from 0.03 to 0.1).
-constexpr double kTimeSplit = 0.045;
+/// flat from 0.03 to 0.06).
+constexpr double kTimeSplit = 0.04;
 
 constexpr int kWidth = geometry::BvhBlock::kWidth;
 
@@ -35,20 +35,6 @@ Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& wor
       stack_(workspace.buffers().stack),
       near_(workspace.buffers().near) {}
 
-/// Keeps an item that has time left, in the smallest slab that was made for it or is worth making. Its boxes
-/// are tested again only with its children: a test costs as much as theirs.
-void Search::push(Item item) {
-  if (item.span.empty()) return;
-  while (!slabs_[item.slab].straight) {
-    const double middle = slabs_[item.slab].middle;
-    const bool late = item.span.low >= middle;
-    if (!late && item.span.high > middle) break;
-    if (!(slabs_[item.slab].half > 16.0 * kUnit * piece_.motion.duration())) break;
-    item.slab = slabs_.childOf(item.slab, late);
-  }
-  stack_.push_back(item);
-}
-
 template <typename Leaf>
 void Search::walk(double from, double to, Leaf&& leaf) {
   const bool primitives = piece_.a.triangleCount() == 0 && piece_.b.triangleCount() == 0;
@@ -66,10 +52,10 @@ void Search::walk(double from, double to, Leaf&& leaf) {
   const geometry::Bvh &tree_a = piece_.a.bvh(), &tree_b = piece_.b.bvh();
   ++node_tests_;
   constexpr std::int32_t kRoot = geometry::Bvh::kRoot;
-  push({kRoot, kRoot, 0, test_.clip(slabs_[0], tree_a[kRoot], tree_b[kRoot], {from, to})});
+  stack_.push_back({kRoot, kRoot, 0, {from, to}});
   double until = kInfinity;
   while (!stack_.empty()) {
-    const Item item = stack_.back();
+    Item item = stack_.back();
     stack_.pop_back();
     if (!(item.span.low < until)) continue;
     if (exhausted()) {
@@ -77,38 +63,48 @@ void Search::walk(double from, double to, Leaf&& leaf) {
       continue;
     }
     const geometry::BvhNode na = tree_a[item.a], nb = tree_b[item.b];
+    const double size_a = sizeOf(na), size_b = sizeOf(nb);
+    const auto bends = [&](const Slab& slab) {
+      const double remainder =
+          0.5 * slab.half * slab.half *
+              (std::min(slab.in_a.bend, slab.in_b.bend) + slab.bend_q * std::max(na.reach, nb.reach)) +
+          slab.half * slab.turn * std::min(size_a, size_b);
+      return remainder > kTimeSplit * (size_a + size_b) && slab.half > 1e-9 * piece_.motion.duration();
+    };
+    // Into the smallest slab that was made for it. To make one costs as much as two tests: only where it bends.
+    bool straddles;
+    while (true) {
+      const Slab& slab = slabs_[item.slab];
+      const bool late = item.span.low >= slab.middle;
+      straddles = !late && item.span.high > slab.middle;
+      if (straddles || (slab.child[late] < 0 && !bends(slab))) break;
+      item.slab = slabs_.childOf(item.slab, late);
+    }
     const Slab& slab = slabs_[item.slab];
     if (na.leaf() && nb.leaf()) {
       const Span span{item.span.low, std::min(item.span.high, until)};
       until = std::min(until, leaf(slab, na.element(), nb.element(), span));
       continue;
     }
-    const double size_a = sizeOf(na), size_b = sizeOf(nb);
-    const double remainder =
-        0.5 * slab.half * slab.half *
-            (std::min(slab.in_a.bend, slab.in_b.bend) + slab.bend_q * std::max(na.reach, nb.reach)) +
-        slab.half * slab.turn * std::min(size_a, size_b);
-    const bool split_time = remainder > kTimeSplit * (size_a + size_b) &&
-                            slab.half > 1e-9 * piece_.motion.duration() && item.span.low < slab.middle &&
-                            item.span.high > slab.middle;
-    if (split_time) {
+    if (straddles && bends(slab)) {
       const double middle = slab.middle;
       const std::int32_t late = slabs_.childOf(item.slab, true), early = slabs_.childOf(item.slab, false);
-      node_tests_ += 2;
-      push({item.a, item.b, late, test_.clip(slabs_[late], na, nb, {middle, item.span.high})});
-      push({item.a, item.b, early, test_.clip(slabs_[early], na, nb, {item.span.low, middle})});
+      ++node_tests_;
+      stack_.push_back({item.a, item.b, late, {middle, item.span.high}});
+      stack_.push_back({item.a, item.b, early, {item.span.low, middle}});
       continue;
     }
     const bool of_a = nb.leaf() || (!na.leaf() && size_a >= size_b);
     const std::int32_t link = of_a ? na.link : nb.link;
     const geometry::BvhBlock& children = of_a ? tree_a.block(link) : tree_b.block(link);
     Span spans[kWidth];
-    test_.clipChildren(slab, children, of_a, of_a ? nb : na, item.span, spans);
+    unsigned lanes = test_.clipChildren(slab, children, of_a, of_a ? tree_b[item.b] : tree_a[item.a], item.span, spans);
     ++node_tests_;
     // Sorted by time, so that the nearest is pushed last and looked at first.
     int order[kWidth], kept = 0;
-    for (int i = 0; i < kWidth; ++i) {
-      if (spans[i].empty() || !(spans[i].low < until)) continue;
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const int i = __builtin_ctz(lanes);
+      if (!(spans[i].low < until)) continue;
       int place = kept++;
       for (; place > 0 && spans[order[place - 1]].low < spans[i].low; --place)
         order[place] = order[place - 1];
@@ -117,7 +113,7 @@ void Search::walk(double from, double to, Leaf&& leaf) {
     for (int i = 0; i < kept; ++i) {
       (of_a ? tree_a : tree_b).prefetch(children.link[order[i]]);
       const std::int32_t child = kWidth * link + order[i];
-      push({of_a ? child : item.a, of_a ? item.b : child, item.slab, spans[order[i]]});
+      stack_.push_back({of_a ? child : item.a, of_a ? item.b : child, item.slab, spans[order[i]]});
     }
   }
 }

@@ -89,7 +89,6 @@ class Search {
   };
 
   Span reachOf(const PairPiece& piece) const;
-  void push(Item item);
   Proved classifyElements(const Instant& now, const Element& a, const Element& b, const Closest& start,
                           ContactWitness& witness) const;
   bool longestLasting(double t, double horizon, const std::vector<ContactWitness>& found,
