@@ -1,7 +1,8 @@
-/// Four doubles side by side, for expressions that the compiler writes once for any 64-bit machine and once for
-/// wide registers; the loader picks. No product is ever fused with a sum, so both give the same bits.
+/// Four doubles side by side, for expressions that the compiler writes once for any 64-bit machine and once
+/// for wide registers; the loader picks. No product is ever fused with a sum, so both give the same bits.
 ///
-/// Files that include this are compiled without the warning about how wide vectors cross calls: they cross none.
+/// Files that include this are compiled without the warning about how wide vectors cross calls: they cross
+/// none.
 #pragma once
 
 #include <cstdint>

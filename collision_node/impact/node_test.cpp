@@ -54,8 +54,8 @@ COLLISION_NODE_INLINE Four combined(const double rows[3][kWidth], const Number x
 
 constexpr double kTiny = 1e-30;  ///< keeps the quotient of two zeros at zero
 
-/// The children are seen from the frame of `fixed_node` by `in_fixed`; `in_moving` is the other way round, and
-/// its matrices are the transposed ones. Returns in which lanes time is left.
+/// The children are seen from the frame of `fixed_node` by `in_fixed`; `in_moving` is the other way round,
+/// and its matrices are the transposed ones. Returns in which lanes time is left.
 COLLISION_NODE_ANY_WIDTH
 unsigned clipBlock(const Slab& slab, const SlabView& in_fixed, const SlabView& in_moving,
                    const geometry::BvhNode& fixed_node, const geometry::BvhBlock& moving, double grown,
@@ -114,8 +114,8 @@ unsigned clipBlock(const Slab& slab, const SlabView& in_fixed, const SlabView& i
       const Four v1 = (n[0] * in_moving.q1[0][k] + n[1] * in_moving.q1[1][k]) + n[2] * in_moving.q1[2][k];
       e += (magnitude(v0[k] - share * m[k]) + slab.half * magnitude(v1)) * half[k];
     }
-    times.clip((dotOf(n, back_place) - middle) + share * (fixed_middle - dotOf(m, centre)), dotOf(n, back_rate),
-               e * kUp + geometry::kPlateLength * back_extra);
+    times.clip((dotOf(n, back_place) - middle) + share * (fixed_middle - dotOf(m, centre)),
+               dotOf(n, back_rate), e * kUp + geometry::kPlateLength * back_extra);
   }
 
   const Four low = slab.middle + (times.low - pad), high = slab.middle + (times.high + pad);

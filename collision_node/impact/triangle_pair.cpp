@@ -15,8 +15,8 @@ double reachOf(const Vec3 v[3]) {
   return std::sqrt(std::max({v[0].squaredNorm(), v[1].squaredNorm(), v[2].squaredNorm()})) * kUp;
 }
 
-/// The axes of the separating axis theorem, and the gaps along them now: lane j < 3 of row i is edge i of A with
-/// edge j of B; the last lane of row 0 is the face of A, of row 1 that of B, of row 2 nothing.
+/// The axes of the separating axis theorem, and the gaps along them now: lane j < 3 of row i is edge i of A
+/// with edge j of B; the last lane of row 0 is the face of A, of row 1 that of B, of row 2 nothing.
 struct Normals {
   double x[3][3][kFour];  ///< by coordinate, of any length
   double gap[3][kFour];   ///< [m] negative where A lies beyond B; 0 where they overlap
@@ -39,16 +39,14 @@ void gapsOf(const Vec3 a[3], const Vec3 b[3], const Vec3 edges_a[3], const Vec3 
   for (int i = 0; i < 3; ++i) {
     const Vec3 zero = Vec3::Zero();
     const Vec3 &p = edges_a[i], &q0 = edges_b[0], &q1 = edges_b[1], &q2 = edges_b[2];
-    const Vec3 &p_last = i == 0 ? edges_a[0] : i == 1 ? edges_b[0] : zero;
-    const Vec3 &q_last = i == 0 ? edges_a[1] : i == 1 ? edges_b[1] : zero;
-    Four first[3], second[3], n[3];
-    for (int k = 0; k < 3; ++k) {
-      first[k] = Four{p[k], p[k], p[k], p_last[k]};
-      second[k] = Four{q0[k], q1[k], q2[k], q_last[k]};
-    }
+    const Vec3& p_last = i == 0 ? edges_a[0] : i == 1 ? edges_b[0] : zero;
+    const Vec3& q_last = i == 0 ? edges_a[1] : i == 1 ? edges_b[1] : zero;
+    const auto first = [&](int k) { return Four{p[k], p[k], p[k], p_last[k]}; };
+    const auto second = [&](int k) { return Four{q0[k], q1[k], q2[k], q_last[k]}; };
+    Four n[3];
     for (int k = 0; k < 3; ++k) {
       const int y = (k + 1) % 3, z = (k + 2) % 3;
-      n[k] = first[y] * second[z] - first[z] * second[y];
+      n[k] = first(y) * second(z) - first(z) * second(y);
       std::memcpy(all.x[k][i], &n[k], sizeof n[k]);
     }
     const Four length2 = dotOf(n, n);
@@ -102,9 +100,10 @@ double TrianglePair::apartFor(double span, Axis* axis) const {
     if (gap == 0.0) break;
     const Vec3 normal = all.normal(widest);
     const int i = widest / kFour, j = widest % kFour;
-    const Vec3 rate = j < 3    ? Vec3(wa.cross(edges_a[i]).cross(edges_b[j]) + edges_a[i].cross(wb.cross(edges_b[j])))
-                      : i == 0 ? wa.cross(normal)
-                               : wb.cross(normal);
+    const Vec3 rate =
+        j < 3    ? Vec3(wa.cross(edges_a[i]).cross(edges_b[j]) + edges_a[i].cross(wb.cross(edges_b[j])))
+        : i == 0 ? wa.cross(normal)
+                 : wb.cross(normal);
     // Of unit length, and what the rate has across itself counts.
     const double scale = (gap > 0.0 ? 1.0 : -1.0) / normal.norm();
     const Vec3 n = normal * scale;
