@@ -92,8 +92,7 @@ class Builder {
   }
 
   /// Sets box and reach. A difference or a sum of two floats is off by 2^-24 of itself at most, and the
-  /// origin, as a float, by that of itself; a sum of three squares and its root, by 2^-22. Each is given four
-  /// times that, and the reach what squares lose near zero.
+  /// origin, as a float, by that of itself. Each is given four times that.
   void setBox(std::int32_t block, int lane, const FloatBox& box, std::size_t begin, std::size_t end) {
     holds_(BvhBlock::kWidth * block + lane, begin, end);
     const FourFloats centre = 0.5F * box.lower + 0.5F * box.upper;
@@ -103,13 +102,13 @@ class Builder {
     const FourFloats lower = near_origin_ + box.lower, upper = near_origin_ + box.upper;
     const FourFloats far = (upper > -lower ? upper : -lower) + origin_error_;
     BvhBlock& b = blocks_[block];
-    float reach2 = 0.0F;
+    double reach2 = 0.0;
     for (int k = 0; k < 3; ++k) {
       b.centre[k][lane] = centre[k];
       b.half[k][lane] = half[k];
-      reach2 += far[k] * far[k];
+      reach2 += static_cast<double>(far[k]) * static_cast<double>(far[k]);
     }
-    b.reach[lane] = std::sqrt(reach2) * (1.0F + 0x1p-20F) + 1e-18F;
+    b.reach[lane] = roundedUp(std::sqrt(reach2) * (1.0 + 0x1p-22));
   }
 
   /// Sets box, reach and link, and builds what lies below.

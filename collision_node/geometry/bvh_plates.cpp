@@ -30,7 +30,7 @@ class Triangles {
             const std::function<Bvh::Corners(std::int32_t)>& corners)
       : stride_(order.size() + kWidth),
         at_(9 * stride_),
-        normals_(order.size() + 1),
+        normals_(order.size() + 1, Vec3::Zero()),
         others_(order.size() + 1) {
     for (std::size_t i = 0; i < order.size(); ++i) {
       const Bvh::Corners t = corners(order[i]);
