@@ -3,7 +3,7 @@
 ///
 /// Guarantee: every node's box, and its reach, hold what they were built from in exact arithmetic: boxes are
 /// floats relative to the hierarchy's own origin, rounded outward. Source of the build: Wald 2007, binned
-/// surface area heuristic.
+/// surface area heuristic; upper levels of large bodies between the cells of a grid (grid_order.h).
 #pragma once
 
 #include <array>
