@@ -13,6 +13,12 @@ namespace {
 
 using Phase = PairState::Phase;
 
+/// Of the calling thread, for the methods of a stream, whose callers have none.
+Workspace& ownWorkspace() {
+  static thread_local Workspace workspace;
+  return workspace;
+}
+
 class Certified : public PairMethod {
  public:
   Certified(const Body& a, const Body& b, const PairOptions& options) : a_(a), b_(b), options_(options) {}
@@ -27,8 +33,7 @@ class Certified : public PairMethod {
       }
     }
     const PairPiece pair(a_, b_, piece, options_.contact_distance);
-    Workspace workspace;
-    const PieceOutcome outcome = PieceRun(pair, piece, options_, workspace, state, events).run();
+    const PieceOutcome outcome = PieceRun(pair, piece, options_, ownWorkspace(), state, events).run();
     state.decided_ns = piece.end_ns;
     state.last_piece = piece;
     return outcome;
@@ -40,9 +45,8 @@ class Certified : public PairMethod {
     if (state.phase != Phase::kUndecided || state.was_touching || state.published) return;
     const Piece& piece = state.last_piece;
     const PairPiece pair(a_, b_, piece, options_.contact_distance);
-    Workspace workspace;
-    Search search(pair, options_.node_budget, workspace);
-    EventWriter writer(pair, piece, options_, search, workspace);
+    Search search(pair, options_.node_budget, ownWorkspace());
+    EventWriter writer(pair, piece, options_, search, ownWorkspace());
     PairEvent event = state.pending;
     const double end = pair.motion.duration(), from = std::clamp(writer.localStart(event), 0.0, end);
     writer.finishImpact(event, from, end, writer.anyNear(from, end), state, false);
@@ -57,9 +61,8 @@ class Certified : public PairMethod {
     if (state.phase == Phase::kTouching || (state.phase == Phase::kUndecided && state.was_touching)) {
       const Piece& piece = state.last_piece;
       const PairPiece pair(a_, b_, piece, options_.contact_distance);
-      Workspace workspace;
-      Search search(pair, options_.node_budget, workspace);
-      const EventWriter writer(pair, piece, options_, search, workspace);
+      Search search(pair, options_.node_budget, ownWorkspace());
+      const EventWriter writer(pair, piece, options_, search, ownWorkspace());
       const double end = pair.motion.duration();
       PairEvent event = writer.stamped(Kind::kSeparation, end);
       writer.fill(event, describeUnknown(pair, pair.at(end), 0.0), end, end);

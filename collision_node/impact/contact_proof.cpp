@@ -9,8 +9,6 @@
 namespace collision_node::impact {
 namespace {
 
-constexpr std::size_t kMaxWrapPoints = 96;
-
 /// The relative position of a material point pair at another instant.
 Vec3 differenceAt(const Instant& now, const SupportPair& p) {
   return now.d + now.rb * p.local_b - now.ra * p.local_a;
@@ -25,8 +23,6 @@ double chordError(const PairPiece& piece, double dt) {
   return 0.125 * dt * dt * acceleration * (1.0 + 16.0 * kUnit) + piece.point_error;
 }
 
-double det(const Vec3& a, const Vec3& b, const Vec3& c) { return a.dot(b.cross(c)); }
-
 /// Control vectors of the product of two linear vector functions u(x), v(x) given at both ends.
 double largestCross(const Vec3& u0, const Vec3& u1, const Vec3& v0, const Vec3& v1) {
   return std::max({u0.cross(v0).norm(), 0.5 * (u0.cross(v1) + u1.cross(v0)).norm(), u1.cross(v1).norm()});
@@ -34,7 +30,8 @@ double largestCross(const Vec3& u0, const Vec3& u1, const Vec3& v0, const Vec3& 
 
 /// The same face, begun at the corner whose two edges have the smallest product: the determinant is the same
 /// from any corner, its rounding is not.
-std::array<int, 3> fromShortestEdges(const std::array<int, 3>& face, const std::vector<Vec3>& points) {
+std::array<std::int16_t, 3> fromShortestEdges(const std::array<std::int16_t, 3>& face,
+                                              const std::array<Vec3, Wrap::kMostPoints>& points) {
   double length[3];
   for (int k = 0; k < 3; ++k) length[k] = (points[face[(k + 1) % 3]] - points[face[k]]).squaredNorm();
   int best = 0;
@@ -48,8 +45,8 @@ std::array<int, 3> fromShortestEdges(const std::array<int, 3>& face, const std::
 /// determinant of three chords, minus what the true paths can differ from them.
 bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, const Wrap& wrap) {
   const double e = chordError(piece, to.t - from.t);
-  std::vector<Vec3> p(wrap.points.size()), q(wrap.points.size());
-  for (std::size_t i = 0; i < p.size(); ++i) {
+  std::array<Vec3, Wrap::kMostPoints> p, q;
+  for (std::size_t i = 0; i < wrap.points.size(); ++i) {
     p[i] = differenceAt(from, wrap.points[i]);
     q[i] = differenceAt(to, wrap.points[i]);
   }
@@ -75,183 +72,6 @@ bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, c
     if (!(b0 > slack && b3 > slack && b1 > 3.0 * slack && b2 > 3.0 * slack)) return false;
   }
   return true;
-}
-
-/// A wrap under construction: faces with their planes, and which face owns each directed edge.
-class WrapBuilder {
- public:
-  WrapBuilder(const Cores& cores, Wrap& wrap)
-      : cores_(cores), wrap_(wrap), owner_(kMaxWrapPoints * kMaxWrapPoints, -1) {}
-
-  bool build(double depth);
-
- private:
-  struct Face {
-    Vec3 normal;   ///< unit, outward
-    double depth;  ///< signed distance of the origin inside its plane
-  };
-
-  bool firstTetrahedron();
-  bool addPoint(const SupportPair& point, std::size_t seed);
-  bool isClosed() const;
-  void addFace(int a, int b, int c);
-  std::int16_t& owner(int from, int to) { return owner_[from * kMaxWrapPoints + to]; }
-
-  const Cores& cores_;
-  Wrap& wrap_;
-  std::vector<Face> planes_;
-  std::vector<std::int16_t> owner_;
-};
-
-void WrapBuilder::addFace(int a, int b, int c) {
-  const Vec3 &pa = wrap_.points[a].w, &pb = wrap_.points[b].w, &pc = wrap_.points[c].w;
-  const Vec3 n = (pb - pa).cross(pc - pa);
-  const double length = n.norm();
-  const int id = static_cast<int>(wrap_.faces.size());
-  wrap_.faces.push_back({a, b, c});
-  planes_.push_back(length > 0.0 ? Face{n / length, n.dot(pa) / length}
-                                 : Face{Vec3::Zero(), std::numeric_limits<double>::infinity()});
-  owner(a, b) = owner(b, c) = owner(c, a) = static_cast<std::int16_t>(id);
-}
-
-/// Every directed edge once, its reverse once: the premise of the winding argument.
-bool WrapBuilder::isClosed() const {
-  std::vector<char> edges(wrap_.points.size() * wrap_.points.size(), 0);
-  const auto at = [&](int from, int to) { return static_cast<std::size_t>(from) * wrap_.points.size() + to; };
-  for (const auto& f : wrap_.faces) {
-    for (int k = 0; k < 3; ++k) {
-      char& edge = edges[at(f[k], f[(k + 1) % 3])];
-      if (edge != 0) return false;
-      edge = 1;
-    }
-  }
-  for (const auto& f : wrap_.faces) {
-    for (int k = 0; k < 3; ++k) {
-      if (edges[at(f[(k + 1) % 3], f[k])] == 0) return false;
-    }
-  }
-  return !wrap_.faces.empty();
-}
-
-/// A first tetrahedron: farthest points along, across and above one another.
-bool WrapBuilder::firstTetrahedron() {
-  auto& points = wrap_.points;
-  const auto add = [&](const Vec3& direction) {
-    points.push_back(cores_.support(direction));
-    return points.back().w;
-  };
-  Vec3 first = add(Vec3(1.0, 0.3, 0.2));
-  Vec3 second = add(-first);
-  Vec3 edge = second - first;
-  if (!(edge.norm() > 0.0)) {
-    points.pop_back();
-    second = add(Vec3(-1.0, -0.3, -0.2));
-    edge = second - first;
-  }
-  if (!(edge.norm() > 0.0)) return false;
-  int axis = 0;
-  edge.cwiseAbs().minCoeff(&axis);
-  Vec3 side = edge.cross(Vec3::Unit(axis));
-  const double size = edge.norm();
-  // The side that faces the origin first: the wrap should close around it.
-  const Vec3 toward = -(first - edge * (first.dot(edge) / edge.squaredNorm()));
-  if (toward.norm() > 1e-9 * size) side = toward;
-  Vec3 third = add(side);
-  Vec3 normal = edge.cross(third - first);
-  if (!(normal.norm() > 1e-12 * size * size)) {
-    for (const Vec3& other : {Vec3(-side), Vec3(edge.cross(side)), Vec3(-edge.cross(side))}) {
-      points.pop_back();
-      third = add(other);
-      normal = edge.cross(third - first);
-      if (normal.norm() > 1e-12 * size * size) break;
-    }
-  }
-  if (!(normal.norm() > 0.0)) return false;
-  if (normal.dot(first) > 0.0) normal = -normal;  // toward the origin
-  Vec3 fourth = add(normal);
-  double height = normal.normalized().dot(fourth - first);
-  if (!(std::abs(height) > 0.0)) {
-    points.pop_back();
-    fourth = add(-normal);
-    height = normal.normalized().dot(fourth - first);
-  }
-  if (!(std::abs(height) > 0.0)) return false;
-  const bool flip = det(second - first, third - first, fourth - first) > 0.0;
-  if (flip) std::swap(points[1], points[2]);
-  addFace(0, 1, 2);
-  addFace(0, 3, 1);
-  addFace(1, 3, 2);
-  addFace(2, 3, 0);
-  return true;
-}
-
-/// Replaces the faces that see `point` by a cone over their horizon.
-bool WrapBuilder::addPoint(const SupportPair& point, std::size_t seed) {
-  std::vector<char> seen(wrap_.faces.size(), 0);
-  std::vector<int> stack = {static_cast<int>(seed)};
-  seen[seed] = 1;
-  while (!stack.empty()) {
-    const auto f = wrap_.faces[stack.back()];
-    stack.pop_back();
-    for (int k = 0; k < 3; ++k) {
-      const int other = owner(f[(k + 1) % 3], f[k]);
-      if (other < 0) return false;
-      if (seen[other] != 0) continue;
-      if (planes_[other].normal.dot(point.w - wrap_.points[wrap_.faces[other][0]].w) > 0.0) {
-        seen[other] = 1;
-        stack.push_back(other);
-      }
-    }
-  }
-  std::vector<std::array<int, 2>> horizon;
-  for (std::size_t g = 0; g < wrap_.faces.size(); ++g) {
-    if (seen[g] == 0) continue;
-    for (int k = 0; k < 3; ++k) {
-      const int from = wrap_.faces[g][k], to = wrap_.faces[g][(k + 1) % 3];
-      if (seen[owner(to, from)] == 0) horizon.push_back({from, to});
-    }
-  }
-  std::vector<std::array<int, 3>> kept;
-  for (std::size_t g = 0; g < wrap_.faces.size(); ++g) {
-    const auto& f = wrap_.faces[g];
-    for (int k = 0; k < 3; ++k) owner(f[k], f[(k + 1) % 3]) = -1;
-    if (seen[g] == 0) kept.push_back(f);
-  }
-  const int id = static_cast<int>(wrap_.points.size());
-  wrap_.points.push_back(point);
-  wrap_.faces.clear();
-  std::vector<Face> planes;
-  for (std::size_t g = 0; g < planes_.size(); ++g) {
-    if (seen[g] == 0) planes.push_back(planes_[g]);
-  }
-  planes_.swap(planes);
-  for (const auto& f : kept) {
-    const int face = static_cast<int>(wrap_.faces.size());
-    wrap_.faces.push_back(f);
-    for (int k = 0; k < 3; ++k) owner(f[k], f[(k + 1) % 3]) = static_cast<std::int16_t>(face);
-  }
-  for (const auto& edge : horizon) addFace(edge[0], edge[1], id);
-  return true;
-}
-
-bool WrapBuilder::build(double depth) {
-  wrap_.points.clear();
-  wrap_.faces.clear();
-  if (!firstTetrahedron()) return false;
-  while (wrap_.points.size() < kMaxWrapPoints) {
-    std::size_t worst = 0;
-    for (std::size_t f = 1; f < planes_.size(); ++f) {
-      if (planes_[f].depth < planes_[worst].depth) worst = f;
-    }
-    const Face nearest = planes_[worst];
-    if (nearest.depth >= depth) return isClosed();
-    const SupportPair next = cores_.support(nearest.normal);
-    const double reach = nearest.normal.dot(next.w);
-    // The support plane bounds the depth of the whole difference from above.
-    if (reach < depth || !(reach > nearest.depth)) return false;
-    if (!addPoint(next, worst)) return false;
-  }
-  return false;
 }
 
 /// The pair with its cylinders made smaller by `depth` all around. What is left, grown by `depth`, lies in
@@ -323,16 +143,6 @@ void refineWeights(Closest& c) {
   }
 }
 
-/// The closed surface of the tetrahedron of an overlap, outward.
-bool wrapTetrahedron(const Closest& closest, Wrap& wrap) {
-  if (!closest.overlap || closest.count != 4) return false;
-  wrap.points.assign(closest.point, closest.point + 4);
-  std::vector<SupportPair>& p = wrap.points;
-  if (det(p[1].w - p[0].w, p[2].w - p[0].w, p[3].w - p[0].w) > 0.0) std::swap(p[1], p[2]);
-  wrap.faces.assign({{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}});
-  return true;
-}
-
 /// Contact proved with shrunk cylinders. The deeper the proof, the longer it lasts; how deep it may be
 /// depends on how deep the contact is.
 bool touchesShrunk(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
@@ -369,8 +179,6 @@ bool touchesShrunk(const PairPiece& piece, const Instant& now, const Element& a,
 }
 
 }  // namespace
-
-bool buildWrap(const Cores& cores, double depth, Wrap& wrap) { return WrapBuilder(cores, wrap).build(depth); }
 
 bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
                const Closest& closest, ContactWitness& witness) {
@@ -415,82 +223,6 @@ bool touchesThrough(const PairPiece& piece, const Instant& from, const Instant& 
   refineWeights(last);
   return closeThrough(from, to, witness.closest, last,
                       small.radius - chordError(piece, to.t - from.t) - piece.point_error);
-}
-
-bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& to, bool point_is_a,
-                   const Vec3& point, const std::vector<std::array<Vec3, 3>>& patch) {
-  // In the triangles' frame, relative to where the point is at `from`: the triangles stand still.
-  const auto pointAt = [&](const Instant& now) -> Vec3 {
-    if (point_is_a) return now.rb.transpose() * (now.ra * point - now.d);
-    return now.ra.transpose() * (now.d + now.rb * point);
-  };
-  const Vec3 x0 = pointAt(from), x1 = pointAt(to);
-  double size = 0.0;
-  for (const auto& t : patch) {
-    for (const Vec3& v : t) size = std::max({size, (v - x0).norm(), (v - x1).norm()});
-  }
-  const double dt = to.t - from.t;
-  const double spin = point_is_a ? piece.motion.spinB() : piece.motion.spinA();
-  const double e = 2.0 * piece.point_error + 16.0 * kUnit * size;
-  // The point's path in that frame has a length m <= dt (speed + spin (size + m/2)): relative speed, and the
-  // frame's own turn, half of the path away from one of its ends at most.
-  if (!(spin * dt < 1.0)) return false;
-  const double move = (piece.speed + spin * size) * dt * (1.0 + spin * dt) * (1.0 + 16.0 * kUnit) + e;
-  const double reach = size + move;
-
-  Vec3 up = Vec3::Zero();
-  for (const auto& t : patch) {
-    const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
-    if (n.squaredNorm() > up.squaredNorm()) up = n;
-  }
-  if (!(up.norm() > 0.0)) return false;
-  up.normalize();
-
-  // The patch is a graph over the plane across `up`: every triangle, wound to face it, leans clearly towards
-  // it.
-  std::vector<std::array<Vec3, 3>> faces;
-  bool above = true, below = true;
-  for (auto t : patch) {
-    Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
-    if (n.dot(up) < 0.0) {
-      std::swap(t[1], t[2]);
-      n = -n;
-    }
-    // The same triangle again, with either sense, adds nothing.
-    const auto isCorner = [&](const Vec3& v) { return v == t[0] || v == t[1] || v == t[2]; };
-    if (std::any_of(faces.begin(), faces.end(),
-                    [&](const auto& other) { return std::all_of(other.begin(), other.end(), isCorner); }))
-      continue;
-    const double edges = (t[1] - t[0]).norm() * (t[2] - t[0]).norm();
-    if (!(n.dot(up) > 64.0 * kUnit * edges)) return false;
-    const double slack = n.norm() * e + 64.0 * kUnit * edges * size;
-    const double h0 = n.dot(x0 - t[0]), h1 = n.dot(x1 - t[0]);
-    above &= h0 > slack && h1 < -slack;
-    below &= h0 < -slack && h1 > slack;
-    faces.push_back(t);
-  }
-  // On one side of every plane at first, on the other at last: it changes the graph's side ...
-  if (!above && !below) return false;
-  // ... and stays over it all the time: left of every edge of the patch's border, seen along `up`.
-  bool has_border = false;
-  for (const auto& t : faces) {
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 &i = t[k], &j = t[(k + 1) % 3];
-      int same = 0, reverse = 0;
-      for (const auto& other : faces) {
-        for (int l = 0; l < 3; ++l) {
-          same += other[l] == i && other[(l + 1) % 3] == j;
-          reverse += other[l] == j && other[(l + 1) % 3] == i;
-        }
-      }
-      if (same > 1 || reverse > 1) return false;  // no graph where three triangles share an edge
-      if (reverse == 1) continue;
-      has_border = true;
-      const double value = up.dot((i - x0).cross(j - x0));
-      if (!(value > move * (j - i).norm() + 64.0 * kUnit * reach * reach)) return false;
-    }
-  }
-  return has_border;
 }
 
 }  // namespace collision_node::impact

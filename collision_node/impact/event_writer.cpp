@@ -89,7 +89,7 @@ void EventWriter::joinNeighbours(PairEvent& event, ContactFacts& facts, const Br
   if (pair_.a.elementCount() == 1 && pair_.b.elementCount() == 1) return;
   constexpr std::size_t kLimit = 48;
   const Instant now = pair_.at(bracket.reference);
-  const std::vector<ElementPair> near_pairs = search_.nearPairs(bracket.lower, bracket.upper, kLimit);
+  const NearPairs near_pairs = search_.nearPairs(bracket.lower, bracket.upper, kLimit);
   if (near_pairs.size() >= kLimit || search_.exhausted()) event.multiple = true;  // not all were looked at
   for (const ElementPair& other : near_pairs) {
     if (other.a == pair.a && other.b == pair.b) continue;
@@ -128,7 +128,7 @@ void EventWriter::fill(PairEvent& event, const ContactFacts& facts, double refer
 }
 
 ElementPair EventWriter::anyNear(double from, double to) {
-  const std::vector<ElementPair> pairs = search_.nearPairs(from, to, 1);
+  const NearPairs pairs = search_.nearPairs(from, to, 1);
   return pairs.empty() ? ElementPair{} : pairs.front();
 }
 

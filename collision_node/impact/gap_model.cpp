@@ -170,9 +170,7 @@ namespace {
 class AxisList {
  public:
   AxisList(const Instant& now, const Element& a, const Element& b)
-      : across_(now.d + now.rb * anyPoint(b) - now.ra * anyPoint(a)) {
-    axes_.reserve(32);
-  }
+      : across_(now.d + now.rb * anyPoint(b) - now.ra * anyPoint(a)) {}
 
   void add(const Vec3& n, const Vec3& n_rate, double scale) {
     const double length = n.norm();
@@ -185,12 +183,12 @@ class AxisList {
     axes_.push_back(axis);
   }
 
-  std::vector<Axis> take() { return std::move(axes_); }
+  const Axes& all() const { return axes_; }
 
  private:
   static const Vec3& anyPoint(const Element& e) { return e.vertices == nullptr ? e.centre : e.vertices[0]; }
 
-  std::vector<Axis> axes_;
+  Axes axes_;
   Vec3 across_;
 };
 
@@ -234,8 +232,8 @@ void addCylinderAxes(AxisList& axes, const Element& cylinder, const Mat3& rotati
 
 }  // namespace
 
-std::vector<Axis> rimAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
-                          const Closest& closest) {
+Axes rimAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+             const Closest& closest) {
   const bool cylinder_is_a = a.vertices == nullptr;
   const Closest nearest = closestOnEdges(Cores(now, a, b), closest);
   if (nearest.count == 0) return {};
@@ -264,11 +262,10 @@ std::vector<Axis> rimAxes(const PairPiece& piece, const Instant& now, const Elem
     axes.add(edge.cross(tangent), other_omega.cross(edge).cross(tangent) + edge.cross(omega.cross(tangent)),
              edge.norm());
   }
-  return axes.take();
+  return axes.all();
 }
 
-std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const Element& a,
-                              const Element& b) {
+Axes featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b) {
   if (a.vertices != nullptr && b.vertices != nullptr && (a.count > 3 || b.count > 3)) return {};
   AxisList axes(now, a, b);
   if (a.vertices == nullptr || b.vertices == nullptr) {
@@ -279,7 +276,7 @@ std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const 
     if (b.vertices == nullptr) {
       addCylinderAxes(axes, b, now.rb, now.d, motion.omegaB(), a, now.ra, Vec3::Zero(), motion.omegaA());
     }
-    return axes.take();
+    return axes.all();
   }
   const RelativeMotion& m = piece.motion;
   Vec3 edges_a[3], edges_b[3];
@@ -302,7 +299,7 @@ std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const 
       axes.add(n, n_rate, edges_a[i].norm() * edges_b[j].norm());
     }
   }
-  return axes.take();
+  return axes.all();
 }
 
 double apartFor(const GapModel& model, double span, double* gap_now) {

@@ -6,7 +6,7 @@
 /// model".
 #pragma once
 
-#include <vector>
+#include <boost/container/static_vector.hpp>
 
 #include "collision_node/impact/gjk.h"
 
@@ -86,16 +86,19 @@ class GapModel {
 /// overlap.
 Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, bool rounded);
 
+/// A cylinder with a hull of eight vertices has the most: 37.
+using Axes = boost::container::static_vector<Axis, 40>;
+
 /// Normals of faces and of edge pairs for two triangles (separating axis theorem), axis, rim and side normals
 /// where a cylinder takes part, all turning with their features; for the last few budgets before a contact,
 /// where closest points no longer tell a direction. Empty for other elements.
-std::vector<Axis> featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b);
+Axes featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b);
 
 /// Normals of a cylinder's rim with the vertex and the edge of the other that the closest points name. Where
 /// both are curved or sharp nothing but the exact place on the rim tells the normal of the last few budgets.
 /// Empty for other pairs.
-std::vector<Axis> rimAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
-                          const Closest& closest);
+Axes rimAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+             const Closest& closest);
 
 /// See the guarantee above; at most `span`. `gap_now` receives the proved gap at s = 0 (<= 0: none).
 double apartFor(const GapModel& model, double span, double* gap_now);

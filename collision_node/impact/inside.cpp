@@ -1,9 +1,9 @@
 #include "collision_node/impact/inside.h"
 
 #include <algorithm>
+#include <boost/container/small_vector.hpp>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 namespace collision_node::impact {
 namespace {
@@ -72,7 +72,7 @@ bool crossing(const Vec3& p, const Vec3& u, const Element& t, double error, int*
 
 bool windingAlong(const Body& body, int solid, const Vec3& p, const Vec3& u, double error, int* winding) {
   const geometry::Bvh& bvh = body.bvh();
-  std::vector<std::int32_t> stack = {geometry::Bvh::kRoot};
+  boost::container::small_vector<std::int32_t, 256> stack = {geometry::Bvh::kRoot};
   Vec3 buffer[3];
   *winding = 0;
   while (!stack.empty()) {
@@ -94,10 +94,13 @@ bool windingAlong(const Body& body, int solid, const Vec3& p, const Vec3& u, dou
   return true;
 }
 
-Where anyInside(const Body& body, const std::vector<Vec3>& points, double error, Vec3* found) {
+/// `place` takes the other body's points into this one's frame.
+template <typename Place>
+Where anyInside(const Body& body, const Body& other, const Place& place, double error, Vec3* found) {
   Where answer = Where::kOutside;
   for (const int solid : body.solids()) {
-    for (const Vec3& p : points) {
+    for (const Vec3& x : other.representatives()) {
+      const Vec3 p = place(x);
       const Where where = whereIn(body, solid, p, error);
       if (where == Where::kInside) {
         *found = p;
@@ -129,21 +132,17 @@ Where containment(const PairPiece& piece, const Instant& now, Vec3* held) {
   const double error = piece.point_error;
   Where answer = Where::kOutside;
   Vec3 found;
-  std::vector<Vec3> points;
   if (!piece.b.solids().empty()) {
-    for (const Vec3& x : piece.a.representatives())
-      points.push_back(now.rb.transpose() * (now.ra * x - now.d));
-    answer = anyInside(piece.b, points, error, &found);
+    const auto place = [&](const Vec3& x) -> Vec3 { return now.rb.transpose() * (now.ra * x - now.d); };
+    answer = anyInside(piece.b, piece.a, place, error, &found);
     if (answer == Where::kInside) {
       *held = now.d + now.rb * found;
       return answer;
     }
   }
   if (!piece.a.solids().empty()) {
-    points.clear();
-    for (const Vec3& y : piece.b.representatives())
-      points.push_back(now.ra.transpose() * (now.d + now.rb * y));
-    const Where other = anyInside(piece.a, points, error, &found);
+    const auto place = [&](const Vec3& y) -> Vec3 { return now.ra.transpose() * (now.d + now.rb * y); };
+    const Where other = anyInside(piece.a, piece.b, place, error, &found);
     if (other == Where::kInside) {
       *held = now.ra * found;
       return other;

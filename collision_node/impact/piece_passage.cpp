@@ -40,7 +40,7 @@ bool PieceRun::closeStraight(const PathContact& met, std::optional<ContactWitnes
 
 bool PieceRun::passed(double from, double at, double& t) {
   if (state_.was_touching || pair_.contact_distance > 0.0) return false;
-  const std::vector<ElementPair> near = search_.nearPairs(from, at, 64);
+  const NearPairs near = search_.nearPairs(from, at, 64);
   const double earlier = std::max(std::min(free_since_, from), from - std::max(at - from, 32.0 * floor_));
   const Instant first = pair_.at(earlier);
   for (const double more : {0.0, 1.0, 4.0, 16.0}) {
@@ -65,7 +65,7 @@ bool PieceRun::passed(double from, double at, double& t) {
   return false;
 }
 
-bool PieceRun::passesBetween(const Instant& first, const Instant& last, const std::vector<ElementPair>& near,
+bool PieceRun::passesBetween(const Instant& first, const Instant& last, const NearPairs& near,
                              ElementPair pair) const {
   Vec3 buffer_a[3], buffer_b[3];
   const Element a = pair_.a.element(pair.a, buffer_a), b = pair_.b.element(pair.b, buffer_b);
@@ -74,14 +74,14 @@ bool PieceRun::passesBetween(const Instant& first, const Instant& last, const st
   const Element& triangle = point_is_a ? b : a;
   const Vec3 point = point_is_a ? a.vertices[0] : b.vertices[0];
   const std::array<Vec3, 3> corners = {triangle.vertices[0], triangle.vertices[1], triangle.vertices[2]};
-  if (passesThrough(pair_, first, last, point_is_a, point, {corners})) return true;
+  if (passesThrough(pair_, first, last, point_is_a, point, TrianglePatch{corners})) return true;
   const auto patch = patchAround(near, pair, point_is_a, triangle.shape);  // through an edge or a vertex
   return passesThrough(pair_, first, last, point_is_a, point, patch);
 }
 
-std::vector<std::array<Vec3, 3>> PieceRun::patchAround(const std::vector<ElementPair>& near, ElementPair pair,
-                                                       bool point_is_a, int shape) const {
-  std::vector<std::array<Vec3, 3>> patch;
+TrianglePatch PieceRun::patchAround(const NearPairs& near, ElementPair pair, bool point_is_a,
+                                    int shape) const {
+  TrianglePatch patch;
   for (const ElementPair& other : near) {
     if (point_is_a ? other.a != pair.a : other.b != pair.b) continue;
     Vec3 buffer[3];

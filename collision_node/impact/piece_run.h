@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "collision_node/impact/event_writer.h"
+#include "collision_node/impact/passage_proof.h"
 #include "collision_node/impact/workspace.h"
 
 namespace collision_node::impact {
@@ -64,11 +65,10 @@ class PieceRun {
   /// holds no contact, so a passage of all that time is one of the bracket.
   bool passed(double from, double at, double& t);
   /// Whether the pair is a point that passes through the other's triangle, or through those around it.
-  bool passesBetween(const Instant& first, const Instant& last, const std::vector<ElementPair>& near,
+  bool passesBetween(const Instant& first, const Instant& last, const NearPairs& near,
                      ElementPair pair) const;
   /// The triangles of one mesh among the near pairs of the same point.
-  std::vector<std::array<Vec3, 3>> patchAround(const std::vector<ElementPair>& near, ElementPair pair,
-                                               bool point_is_a, int shape) const;
+  TrianglePatch patchAround(const NearPairs& near, ElementPair pair, bool point_is_a, int shape) const;
   /// In contact at `t`: follows the proof forward, and where it ends looks for the next one or for clearance.
   bool follow(double& t, std::optional<ContactWitness>& witness);
   /// Moves t forward as long as this witness proves contact.

@@ -114,8 +114,8 @@ std::unique_ptr<ShellPair> ShellPair::of(const PairPiece& piece) {
   return std::unique_ptr<ShellPair>(new ShellPair(std::move(a), std::move(b), piece));
 }
 
-bool ShellPair::clear(double& from, double& to, double stop, std::uint64_t& node_tests) const {
-  Workspace workspace;
+bool ShellPair::clear(double& from, double& to, double stop, std::uint64_t& node_tests,
+                      Workspace& workspace) const {
   std::uint64_t left = budget_;
   const auto first = [&](double low, double high) {
     Search search(still_, left, workspace);

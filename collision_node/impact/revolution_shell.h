@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "collision_node/impact/pair_piece.h"
+#include "collision_node/impact/workspace.h"
 
 namespace collision_node::impact {
 
@@ -28,7 +29,8 @@ class ShellPair {
   static std::unique_ptr<ShellPair> of(const PairPiece& piece);
 
   /// Narrows [from, to] to what is not proved clear; false when nothing is left. Adds to `node_tests`.
-  bool clear(double& from, double& to, double stop, std::uint64_t& node_tests) const;
+  /// `workspace` is not that of the search which asks.
+  bool clear(double& from, double& to, double stop, std::uint64_t& node_tests, Workspace& workspace) const;
 
  private:
   ShellPair(std::unique_ptr<Body> a, std::unique_ptr<Body> b, const PairPiece& piece);

@@ -30,10 +30,12 @@ Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& wor
       test_(piece),
       budget_(node_budget),
       shells_(ShellPair::of(piece)),
+      workspace_of_shells_(shells_ ? &workspace.buffers().forShells() : nullptr),
       straight_(std::move(straight)),
       slabs_(piece, workspace.buffers().slabs),
       stack_(workspace.buffers().stack),
-      near_(workspace.buffers().near) {}
+      near_(workspace.buffers().near),
+      found_(workspace.buffers().found) {}
 
 /// Keeps an item that has time left, in the smallest slab that was made for it or is worth making. Its boxes
 /// are tested again only with its children: a test costs as much as theirs.
@@ -164,7 +166,7 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
   const double asked_from = from, asked_to = to;
   from = std::max(from, reach_.low);
   to = std::min(to, reach_.high);
-  if (from <= to && (!shells_ || shells_->clear(from, to, stop, node_tests_)))
+  if (from <= to && (!shells_ || shells_->clear(from, to, stop, node_tests_, *workspace_of_shells_)))
     walk(from, to, Leaf{*this, stop, window, first});
   near_from_ = exhausted() ? kInfinity : asked_from;
   if (first.found) stopped_at_ = first.time;
@@ -194,10 +196,10 @@ const Parting* Search::partingAt(double time, ElementPair pair) const {
   return nullptr;
 }
 
-std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t limit) {
+NearPairs Search::nearPairs(double from, double to, std::size_t limit) {
   struct Leaf {
     Search& search;
-    std::vector<ElementPair>& pairs;
+    NearPairs& pairs;
     std::size_t limit;
     double unresolved(double) { return -kInfinity; }
     double operator()(const Slab& slab, std::int32_t ea, std::int32_t eb, Span span) {
@@ -217,7 +219,7 @@ std::vector<ElementPair> Search::nearPairs(double from, double to, std::size_t l
       return pairs.size() < limit ? kInfinity : -kInfinity;
     }
   };
-  std::vector<ElementPair> pairs;
+  NearPairs pairs;
   Leaf leaf{*this, pairs, limit};
   if (from >= near_from_ && to <= near_to_) {  // all of them were seen a moment ago
     for (const Near& near : near_) {
@@ -260,7 +262,7 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
     Search& search;
     const Instant now;
     std::size_t wanted;
-    std::vector<ContactWitness> found;
+    std::vector<ContactWitness>& found;
     bool undecided = false;
     double unresolved(double) {
       undecided = true;
@@ -284,16 +286,17 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
       }
       w.element_a = ea;
       w.element_b = eb;
-      found.push_back(std::move(w));
+      found.push_back(w);
       return found.size() < wanted ? kInfinity : -kInfinity;
     }
   };
   constexpr std::size_t kCandidates = 64;
-  Leaf leaf{*this, piece_.at(t), horizon > 0.0 ? kCandidates : 1, {}, false};
+  found_.clear();
+  Leaf leaf{*this, piece_.at(t), horizon > 0.0 ? kCandidates : 1, found_, false};
   walk(t, t, leaf);
-  if (!leaf.found.empty()) {
-    if (horizon > 0.0 && longestLasting(t, horizon, leaf.found, witness)) return Proved::kContact;
-    *witness = std::move(leaf.found[0]);
+  if (!found_.empty()) {
+    if (horizon > 0.0 && longestLasting(t, horizon, witness)) return Proved::kContact;
+    *witness = found_[0];
     return Proved::kContact;
   }
   if (leaf.undecided) return Proved::kNothing;
@@ -311,13 +314,12 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
   return Proved::kContact;
 }
 
-bool Search::longestLasting(double t, double horizon, const std::vector<ContactWitness>& found,
-                            ContactWitness* witness) {
+bool Search::longestLasting(double t, double horizon, ContactWitness* witness) {
   const Instant now = piece_.at(t);
   const double end = std::min(t + horizon, piece_.motion.duration());
   for (double span = end - t; span > 16.0 * kUnit * piece_.motion.duration(); span *= 0.125) {
     const Instant later = piece_.at(t + span);
-    for (const ContactWitness& w : found) {
+    for (const ContactWitness& w : found_) {
       ++node_tests_;
       Vec3 buffer_a[3], buffer_b[3];
       const Element a = piece_.a.element(w.element_a, buffer_a), b = piece_.b.element(w.element_b, buffer_b);

@@ -23,6 +23,9 @@ struct ElementPair {
   std::int32_t a = -1, b = -1;
 };
 
+/// More are never asked for.
+using NearPairs = boost::container::static_vector<ElementPair, 64>;
+
 /// What is proved of one instant.
 enum class Proved { kApart, kContact, kNothing };
 
@@ -62,8 +65,8 @@ class Search {
   /// The same for the surfaces of one pair of elements, which need no walk.
   Proved classifyPair(double t, ElementPair pair, ContactWitness* witness);
 
-  /// Pairs of elements not proved apart throughout [from, to], at most `limit`.
-  std::vector<ElementPair> nearPairs(double from, double to, std::size_t limit);
+  /// Pairs of elements not proved apart throughout [from, to], at most `limit` (<= 64).
+  NearPairs nearPairs(double from, double to, std::size_t limit);
 
   /// The part of the piece's time outside of which no point of one body can come within reach of the other.
   const Span& withinReach() const { return reach_; }
@@ -92,8 +95,8 @@ class Search {
   void push(Item item);
   Proved classifyElements(const Instant& now, const Element& a, const Element& b, const Closest& start,
                           ContactWitness& witness) const;
-  bool longestLasting(double t, double horizon, const std::vector<ContactWitness>& found,
-                      ContactWitness* witness);
+  /// Of what classify() found: what lasts longest.
+  bool longestLasting(double t, double horizon, ContactWitness* witness);
 
   template <typename Leaf>
   void walk(double from, double to, Leaf&& leaf);
@@ -103,12 +106,14 @@ class Search {
   const NodeTest test_;
   std::uint64_t budget_, node_tests_ = 0;
   std::unique_ptr<ShellPair> shells_;  ///< null when nothing turns far
+  Workspace* workspace_of_shells_;
   std::optional<StraightPath> straight_;
   PathContact path_contact_;
   TimeSlabs slabs_;
   std::vector<Item>& stack_;
   /// Every pair of elements that is not proved apart throughout [near_from_, near_to_] is among these.
   std::vector<Near>& near_;
+  std::vector<ContactWitness>& found_;  ///< by classify()
   double near_from_ = std::numeric_limits<double>::infinity(), near_to_ = 0.0;
   double stopped_at_ = std::numeric_limits<double>::infinity();  ///< the last firstPossible()
   ElementPair stopped_by_;   ///< and which pair it could not part any longer
@@ -122,7 +127,14 @@ struct Workspace::Buffers {
   std::vector<Slab> slabs;
   std::vector<Search::Item> stack;
   std::vector<Search::Near> near;
+  std::vector<ContactWitness> found;
   ViewBuffers views;
+  std::unique_ptr<Workspace> shells;  ///< null until a body turns far
+
+  Workspace& forShells() {
+    if (!shells) shells = std::make_unique<Workspace>();
+    return *shells;
+  }
 };
 
 }  // namespace collision_node::impact

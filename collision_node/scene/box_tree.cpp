@@ -1,140 +1,176 @@
 #include "collision_node/scene/box_tree.h"
 
 #include <algorithm>
-#include <utility>
+#include <array>
+#include <limits>
 
 namespace collision_node::scene {
 
 namespace {
 
-Bounds around(const Bounds& a, const Bounds& b) {
-  return {a.lower.cwiseMin(b.lower), a.upper.cwiseMax(b.upper)};
-}
+constexpr int kWidth = BoxNode::kWidth;
+/// A node that is left with fewer is dissolved. So all but the root have as many, and 14 above each other
+/// would hold more than 2^31 items.
+constexpr int kFewest = 5;
 
 /// Half the surface. Only steers the tree's shape.
-double area(const Bounds& box) {
-  const Vec3 size = box.upper - box.lower;
-  return size.x() * size.y() + size.y() * size.z() + size.z() * size.x();
+float area(const FloatBox& box) {
+  const float x = box.plane[3] - box.plane[0], y = box.plane[4] - box.plane[1],
+              z = box.plane[5] - box.plane[2];
+  return x * y + y * z + z * x;
 }
 
 }  // namespace
 
 void BoxTree::clear() {
   nodes_.clear();
-  root_ = free_ = -1;
+  free_.clear();
+  root_ = newNode(0);
   size_ = 0;
 }
 
-std::int32_t BoxTree::newNode() {
-  if (free_ < 0) {
+std::int32_t BoxTree::newNode(std::int32_t level) {
+  std::int32_t index = static_cast<std::int32_t>(nodes_.size());
+  if (free_.empty()) {
     nodes_.emplace_back();
-    return static_cast<std::int32_t>(nodes_.size()) - 1;
+  } else {
+    index = free_.back();
+    free_.pop_back();
   }
-  const std::int32_t node = std::exchange(free_, nodes_[free_].parent);
-  nodes_[node] = Node();
-  return node;
+  BoxNode& node = nodes_[index];
+  for (int lane = 0; lane < kWidth; ++lane) node.clear(lane);
+  node.parent = -1;
+  node.count = 0;
+  node.level = level;
+  return index;
 }
 
-/// Where the tree's surface grows least, going down from the root.
-std::int32_t BoxTree::bestSibling(const Bounds& box) const {
-  std::int32_t at = root_;
-  while (nodes_[at].height > 0) {
-    const double own = area(nodes_[at].box), joint = area(around(nodes_[at].box, box));
-    double best = 2.0 * joint;  // to stop here
-    std::int32_t next = -1;
-    for (const std::int32_t child : nodes_[at].child) {
-      const Bounds& theirs = nodes_[child].box;
-      const double grown = area(around(theirs, box)) - (nodes_[child].height > 0 ? area(theirs) : 0.0);
-      const double cost = grown + 2.0 * (joint - own);
-      if (cost >= best) continue;
-      best = cost;
-      next = child;
-    }
-    if (next < 0) break;
-    at = next;
-  }
-  return at;
-}
-
-std::int32_t BoxTree::insert(const Bounds& box, std::int32_t item) {
-  const std::int32_t leaf = newNode();
-  nodes_[leaf].box = box;
-  nodes_[leaf].child[0] = item;
+void BoxTree::insert(const FloatBox& box, std::int32_t item) {
+  if (place_.size() <= static_cast<std::size_t>(item)) place_.resize(static_cast<std::size_t>(item) + 1);
   ++size_;
-  if (root_ < 0) {
-    root_ = leaf;
-    return leaf;
-  }
-  const std::int32_t sibling = bestSibling(box);
-  const std::int32_t parent = newNode();
-  nodes_[parent].parent = nodes_[sibling].parent;
-  nodes_[parent].child[0] = sibling;
-  nodes_[parent].child[1] = leaf;
-  replaceChild(nodes_[sibling].parent, sibling, parent);
-  nodes_[sibling].parent = nodes_[leaf].parent = parent;
-  mend(parent);
-  return leaf;
+  insertAt(0, {box, item});
 }
 
-void BoxTree::remove(std::int32_t leaf) {
+void BoxTree::insertAt(std::int32_t level, const Entry& entry) {
+  std::int32_t at = root_;
+  while (nodes_[at].level > level) {
+    const int lane = nodes_[at].bestLaneFor(entry.box);
+    nodes_[at].widen(lane, entry.box);
+    at = nodes_[at].child[lane];
+  }
+  put(at, entry);
+}
+
+void BoxTree::set(std::int32_t node, int lane, const Entry& entry) {
+  nodes_[node].setBox(lane, entry.box);
+  nodes_[node].child[lane] = entry.child;
+  (nodes_[node].level == 0 ? place_[entry.child] : nodes_[entry.child].parent) = kWidth * node + lane;
+}
+
+/// What is above `node` holds the box already.
+void BoxTree::put(std::int32_t node, const Entry& entry) {
+  if (nodes_[node].count == kWidth) {
+    split(node, entry);
+  } else {
+    set(node, nodes_[node].count++, entry);
+  }
+}
+
+/// Of a full node and one more, some go into a new node beside it: along the axis on which their middles are
+/// farthest apart, cut where surface times number of boxes is smallest.
+void BoxTree::split(std::int32_t node, const Entry& entry) {
+  constexpr int kAll = kWidth + 1;
+  std::array<Entry, kAll> all, sorted;
+  for (int lane = 0; lane < kWidth; ++lane) all[lane] = {nodes_[node].box(lane), nodes_[node].child[lane]};
+  all[kWidth] = entry;
+  float middle[3][kAll], widest = -1.0F;
+  int axis = 0;
+  for (int k = 0; k < 3; ++k) {
+    for (int i = 0; i < kAll; ++i) middle[k][i] = all[i].box.plane[k] + all[i].box.plane[3 + k];
+    const auto [low, high] = std::minmax_element(middle[k], middle[k] + kAll);
+    if (*high - *low > widest) {
+      widest = *high - *low;
+      axis = k;
+    }
+  }
+  for (int i = 0; i < kAll; ++i) {  // few enough to count for each how many come first, without a branch
+    const float own = middle[axis][i];
+    int before = 0;
+    for (int k = 0; k < i; ++k) before += middle[axis][k] <= own ? 1 : 0;
+    for (int k = i + 1; k < kAll; ++k) before += middle[axis][k] < own ? 1 : 0;
+    sorted[before] = all[i];
+  }
+  float right[kAll];  // the surface of all from here on
+  FloatBox box = sorted[kAll - 1].box;
+  for (int i = kAll - 1; i > 0; --i) right[i] = area(box = around(box, sorted[i].box));
+  int cut = kAll / 2;
+  float least = std::numeric_limits<float>::infinity();
+  box = sorted[0].box;
+  for (int i = 1; i <= kAll - kFewest; ++i) {
+    const float cost = area(box) * static_cast<float>(i) + right[i] * static_cast<float>(kAll - i);
+    if (i >= kFewest && cost < least) {
+      least = cost;
+      cut = i;
+    }
+    box = around(box, sorted[i].box);
+  }
+
+  const std::int32_t level = nodes_[node].level, beside = newNode(level);
+  for (int lane = cut; lane < kWidth; ++lane) nodes_[node].clear(lane);
+  for (int i = 0; i < kAll; ++i) set(i < cut ? node : beside, i < cut ? i : i - cut, sorted[i]);
+  nodes_[node].count = cut;
+  nodes_[beside].count = kAll - cut;
+  if (node == root_) {
+    root_ = newNode(level + 1);
+    set(root_, nodes_[root_].count++, {nodes_[node].bounds(), node});
+  } else {
+    const std::int32_t place = nodes_[node].parent;
+    nodes_[place / kWidth].setBox(place % kWidth, nodes_[node].bounds());
+  }
+  put(nodes_[node].parent / kWidth, {nodes_[beside].bounds(), beside});
+}
+
+void BoxTree::remove(std::int32_t item) {
   --size_;
-  const std::int32_t parent = nodes_[leaf].parent;
-  if (parent < 0) {
-    root_ = -1;
+  takeOut(place_[item]);
+}
+
+void BoxTree::takeOut(std::int32_t place) {
+  const std::int32_t at = place / kWidth;
+  BoxNode& node = nodes_[at];
+  const int lane = place % kWidth, last = --node.count;
+  if (lane != last) set(at, lane, {node.box(last), node.child[last]});
+  node.clear(last);
+  if (at == root_) {
+    if (node.level == 0 || node.count > 1) return;
+    root_ = node.child[0];
+    nodes_[root_].parent = -1;
+    free_.push_back(at);
+  } else if (node.count < kFewest) {
+    dissolve(at);
   } else {
-    const std::int32_t sibling = nodes_[parent].child[nodes_[parent].child[0] == leaf ? 1 : 0];
-    const std::int32_t above = nodes_[parent].parent;
-    replaceChild(above, parent, sibling);
-    nodes_[sibling].parent = above;
-    nodes_[parent].parent = std::exchange(free_, parent);
-    mend(above);
-  }
-  nodes_[leaf].parent = std::exchange(free_, leaf);
-}
-
-void BoxTree::replaceChild(std::int32_t parent, std::int32_t child, std::int32_t by) {
-  if (parent < 0) {
-    root_ = by;
-  } else {
-    nodes_[parent].child[nodes_[parent].child[0] == child ? 0 : 1] = by;
+    shrink(at);
   }
 }
 
-void BoxTree::refit(std::int32_t index) {
-  Node& node = nodes_[index];
-  const Node& left = nodes_[node.child[0]];
-  const Node& right = nodes_[node.child[1]];
-  node.box = around(left.box, right.box);
-  node.height = 1 + std::max(left.height, right.height);
+/// What the node has goes to others on its level.
+void BoxTree::dissolve(std::int32_t index) {
+  const BoxNode node = nodes_[index];
+  free_.push_back(index);
+  takeOut(node.parent);
+  for (int lane = 0; lane < node.count; ++lane) insertAt(node.level, {node.box(lane), node.child[lane]});
 }
 
-/// Makes boxes and heights right from `node` up to the root.
-void BoxTree::mend(std::int32_t node) {
-  while (node >= 0) {
-    node = balance(node);
-    refit(node);
-    node = nodes_[node].parent;
+/// Makes the boxes above `node` as small as they may be.
+void BoxTree::shrink(std::int32_t node) {
+  while (node != root_) {
+    const FloatBox box = nodes_[node].bounds();
+    const std::int32_t place = nodes_[node].parent;
+    BoxNode& above = nodes_[place / kWidth];
+    if (box.holds(above.box(place % kWidth))) return;
+    above.setBox(place % kWidth, box);
+    node = place / kWidth;
   }
-}
-
-/// Where one side is higher by two, its root goes up in place of `top`, and its lower child to `top`. Returns
-/// the root of what was below `top`.
-std::int32_t BoxTree::balance(std::int32_t top) {
-  const int lean = nodes_[nodes_[top].child[1]].height - nodes_[nodes_[top].child[0]].height;
-  if (lean >= -1 && lean <= 1) return top;
-  const int high = lean > 0 ? 1 : 0;
-  const std::int32_t up = nodes_[top].child[high];
-  const int lower = nodes_[nodes_[up].child[0]].height < nodes_[nodes_[up].child[1]].height ? 0 : 1;
-  const std::int32_t moved = nodes_[up].child[lower];
-  const std::int32_t above = nodes_[top].parent;
-  replaceChild(above, top, up);
-  nodes_[up].parent = above;
-  nodes_[up].child[lower] = top;
-  nodes_[top].parent = up;
-  nodes_[top].child[high] = moved;
-  nodes_[moved].parent = top;
-  refit(top);
-  return up;
 }
 
 }  // namespace collision_node::scene

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "collision_node/scene/block_question.h"
-
 namespace collision_node::scene {
 
 namespace {
@@ -18,7 +16,8 @@ constexpr double kSegmentsAhead = 8.0, kRadiiAhead = 2.0;
 
 /// A box for an object that may go on as it does. Any box that holds the sweep is right.
 Bounds roomFor(const Sweep& sweep) {
-  Bounds box = grown(sweep.box, kRoom * sweep.radius);
+  const Vec3 room = Vec3::Constant(kRoom * sweep.radius);
+  Bounds box{sweep.box.lower - room, sweep.box.upper + room};
   const Vec3 way = sweep.to - sweep.from;
   const double length = way.norm();
   if (length > 0.0) {
@@ -32,63 +31,44 @@ Bounds roomFor(const Sweep& sweep) {
 }  // namespace
 
 void BroadPhase::stand(const std::vector<int>& objects, const std::vector<Bounds>& boxes) {
-  standing_objects_ = objects;
-  standing_ = boxes;
-  for (std::size_t i = 0; i < objects.size(); ++i)
-    objects_[objects[i]].standing = static_cast<std::int32_t>(i);
-  if (objects.empty()) return;
-  standing_tree_ = geometry::Bvh(boxes);
-  for (const Bounds& box : boxes) {
-    const Vec3 far = (box.lower - standing_tree_.origin())
-                         .cwiseAbs()
-                         .cwiseMax((box.upper - standing_tree_.origin()).cwiseAbs());
-    standing_far_ = standing_far_.cwiseMax(far);
+  Vec3 middle = Vec3::Zero();
+  for (const Bounds& box : boxes) middle += 0.5 * (box.lower + box.upper) / static_cast<double>(boxes.size());
+  if (!boxes.empty()) seeFrom(middle);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    Object& object = objects_[objects[i]];
+    object.stands = true;
+    object.box = imageOf(boxes[i], origin_);
+    standing_tree_.insert(object.box, objects[i]);
   }
 }
 
+/// Floats are fine near their origin only: it is where the first box is.
+void BroadPhase::seeFrom(const Vec3& place) {
+  if (has_origin_) return;
+  has_origin_ = true;
+  origin_ = place;
+}
+
 void BroadPhase::startEpoch() {
-  for (Object& object : objects_) {
-    object.stays.clear();
-    object.open = -1;
-  }
+  has_origin_ = standing_tree_.size() > 0;
+  for (Object& object : objects_) object.open = object.first = -1;
   tree_.clear();
   stays_.clear();
-  free_stays_.clear();
-  endings_ = {};
+  boxes_.clear();
+  free_ = -1;
+  endings_.clear();
 }
 
 template <typename Question>
 void BroadPhase::askStanding(const Question& question) {
-  if (standing_.empty()) return;
-  const auto take = [&](std::int32_t index) {
-    if (question.meets(standing_[index])) found_.push_back(standing_objects_[index]);
-  };
-  const BlockQuestion block_question(question, standing_tree_.origin(), standing_far_.maxCoeff());
-  const std::int32_t root = standing_tree_[geometry::Bvh::kRoot].link;
-  if (root < 0) {
-    take(~root);
-    return;
-  }
-  waiting_.assign(1, root);
-  while (!waiting_.empty()) {
-    const geometry::BvhBlock& block = standing_tree_.block(waiting_.back());
-    waiting_.pop_back();
-    bool meets[geometry::BvhBlock::kWidth];
-    block_question.ask(block, meets);
-    for (int i = 0; i < geometry::BvhBlock::kWidth; ++i) {
-      if (!meets[i]) continue;
-      if (block.link[i] < 0) {
-        take(~block.link[i]);
-      } else {
-        waiting_.push_back(block.link[i]);
-      }
-    }
-  }
+  if (standing_tree_.size() == 0) return;
+  standing_tree_.find(question, walk_);
+  found_.insert(found_.end(), walk_.items(), walk_.items() + walk_.count());
 }
 
 const std::vector<int>& BroadPhase::standingNear(const Bounds& box) {
   found_.clear();
-  askStanding(BoxQuestion{box});
+  askStanding(imageOf(box, origin_));
   return found_;
 }
 
@@ -96,80 +76,82 @@ template <typename Question>
 void BroadPhase::ask(int object, const Question& question, Nanoseconds from_ns, Nanoseconds to_ns) {
   found_.clear();
   askStanding(question);
-  tree_.visit(question, [&](std::int32_t leaf) {
-    const Stay& other = stays_[tree_.item(leaf)];
+  tree_.find(question, walk_);
+  for (std::size_t i = 0; i < walk_.count(); ++i) {
+    const Stay& other = stays_[walk_.items()[i]];
     if (other.object != object && other.from_ns <= to_ns && from_ns <= other.to_ns)
       found_.push_back(other.object);
-  });
+  }
 }
 
 const std::vector<int>& BroadPhase::move(int object, const Sweep& sweep, Nanoseconds from_ns,
                                          Nanoseconds to_ns, bool begins_anew) {
-  const std::int32_t open = objects_[object].open;
-  if (!begins_anew && open >= 0 && holds(tree_.box(stays_[open].leaf), sweep.box)) {
+  seeFrom(sweep.from);
+  Object& own = objects_[object];
+  if (!begins_anew && own.open >= 0 && holdsImage(own.box, sweep.box, origin_)) {
     found_.clear();
     return found_;
   }
   if (!sweep.isLong()) return stay(object, roomFor(sweep), from_ns);
   close(object, from_ns);
-  ask(object, LineQuestion(sweep), from_ns, to_ns);
-  begin(object, sweep.box, from_ns, to_ns, false);
+  const FloatLine line(sweep, origin_);
+  ask(object, line, from_ns, to_ns);
+  endings_.add(to_ns, begin(object, line.box, from_ns, to_ns));
   return found_;
 }
 
 const std::vector<int>& BroadPhase::stay(int object, const Bounds& box, Nanoseconds from_ns) {
+  seeFrom(0.5 * (box.lower + box.upper));
   close(object, from_ns);
-  ask(object, BoxQuestion{box}, from_ns, kForEver);
-  begin(object, box, from_ns, kForEver, true);
+  Object& own = objects_[object];
+  own.box = imageOf(box, origin_);
+  ask(object, own.box, from_ns, kForEver);
+  own.open = begin(object, own.box, from_ns, kForEver);
   return found_;
 }
 
-void BroadPhase::begin(int object, const Bounds& box, Nanoseconds from_ns, Nanoseconds to_ns, bool lasts) {
-  std::int32_t index = static_cast<std::int32_t>(stays_.size());
-  if (free_stays_.empty()) {
+std::int32_t BroadPhase::begin(int object, const FloatBox& box, Nanoseconds from_ns, Nanoseconds to_ns) {
+  std::int32_t index = free_;
+  if (index < 0) {
+    index = static_cast<std::int32_t>(stays_.size());
     stays_.emplace_back();
+    boxes_.emplace_back();
   } else {
-    index = free_stays_.back();
-    free_stays_.pop_back();
+    free_ = stays_[index].next;
   }
-  stays_[index] = {object, from_ns, to_ns, tree_.insert(box, index)};
-  objects_[object].stays.push_back(index);
-  if (lasts) {
-    objects_[object].open = index;
-  } else {
-    endings_.push({to_ns, index});
-  }
+  boxes_[index] = box;
+  stays_[index] = {object, std::exchange(objects_[object].first, index), from_ns, to_ns};
+  tree_.insert(box, index);
+  return index;
 }
 
 void BroadPhase::close(int object, Nanoseconds ns) {
   const std::int32_t open = std::exchange(objects_[object].open, -1);
   if (open < 0) return;
   stays_[open].to_ns = ns;
-  endings_.push({ns, open});
+  endings_.add(ns, open);
 }
 
 void BroadPhase::forgetBefore(Nanoseconds ns) {
-  while (!endings_.empty() && endings_.top().first <= ns) {
-    const std::int32_t index = endings_.top().second;
-    endings_.pop();
-    tree_.remove(stays_[index].leaf);
-    std::vector<std::int32_t>& own = objects_[stays_[index].object].stays;
-    own.erase(std::find(own.begin(), own.end(), index));
-    free_stays_.push_back(index);
-  }
+  endings_.advance(ns, [this](std::int32_t index) {
+    tree_.remove(index);
+    Stay& stay = stays_[index];
+    std::int32_t* link = &objects_[stay.object].first;
+    while (*link != index) link = &stays_[*link].next;
+    *link = std::exchange(stay.next, std::exchange(free_, index));
+  });
 }
 
 bool BroadPhase::mayMeet(int a, int b) const {
-  if (objects_[a].standing >= 0) std::swap(a, b);
+  if (objects_[a].stands) std::swap(a, b);
   const Object& first = objects_[a];
   const Object& second = objects_[b];
-  for (const std::int32_t i : first.stays) {
+  for (std::int32_t i = first.first; i >= 0; i = stays_[i].next) {
     const Stay& stay = stays_[i];
-    if (second.standing >= 0 && meet(tree_.box(stay.leaf), standing_[second.standing])) return true;
-    for (const std::int32_t k : second.stays) {
+    if (second.stands && boxes_[i].meets(second.box)) return true;
+    for (std::int32_t k = second.first; k >= 0; k = stays_[k].next) {
       const Stay& other = stays_[k];
-      if (other.from_ns <= stay.to_ns && stay.from_ns <= other.to_ns &&
-          meet(tree_.box(stay.leaf), tree_.box(other.leaf)))
+      if (other.from_ns <= stay.to_ns && stay.from_ns <= other.to_ns && boxes_[i].meets(boxes_[k]))
         return true;
     }
   }

@@ -8,13 +8,11 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <queue>
-#include <utility>
 #include <vector>
 
 #include "collision_node/motion/stamped_pose.h"
 #include "collision_node/scene/box_tree.h"
+#include "collision_node/scene/endings.h"
 #include "collision_node/scene/sweep.h"
 
 namespace collision_node::scene {
@@ -56,35 +54,35 @@ class BroadPhase {
 
  private:
   struct Stay {
-    int object;
+    std::int32_t object, next;  ///< the object's next
     Nanoseconds from_ns, to_ns;
-    std::int32_t leaf;
   };
   struct Object {
-    std::vector<std::int32_t> stays;
-    std::int32_t open = -1;      ///< the stay that lasts
-    std::int32_t standing = -1;  ///< into standing_
+    FloatBox box;             ///< of the stay that lasts, or of who stands
+    std::int32_t open = -1;   ///< the stay that lasts
+    std::int32_t first = -1;  ///< of its stays
+    bool stands = false;
   };
 
-  void begin(int object, const Bounds& box, Nanoseconds from_ns, Nanoseconds to_ns, bool lasts);
-  void close(int object, Nanoseconds ns);
-  template <typename Question>
-  void ask(int object, const Question& question, Nanoseconds from_ns, Nanoseconds to_ns);
   template <typename Question>
   void askStanding(const Question& question);
+  template <typename Question>
+  void ask(int object, const Question& question, Nanoseconds from_ns, Nanoseconds to_ns);
+  std::int32_t begin(int object, const FloatBox& box, Nanoseconds from_ns, Nanoseconds to_ns);
+  void close(int object, Nanoseconds ns);
 
+  void seeFrom(const Vec3& place);
+
+  bool has_origin_ = false;
+  Vec3 origin_ = Vec3::Zero();  ///< of all boxes in floats
   std::vector<Object> objects_;
-  BoxTree tree_;
+  BoxTree tree_, standing_tree_;
   std::vector<Stay> stays_;
-  std::vector<std::int32_t> free_stays_;
-  using Ending = std::pair<Nanoseconds, std::int32_t>;
-  std::priority_queue<Ending, std::vector<Ending>, std::greater<>> endings_;  ///< of stays that are over
-  std::vector<Bounds> standing_;
-  std::vector<int> standing_objects_;
-  geometry::Bvh standing_tree_;
-  Vec3 standing_far_ = Vec3::Zero();  ///< from the hierarchy's origin to its farthest plane, by axis [m]
+  std::vector<FloatBox> boxes_;  ///< of the stays
+  std::int32_t free_ = -1;       ///< stays that are none hang together by `next`
+  Endings endings_;              ///< of stays that are over
+  BoxWalk walk_;
   std::vector<int> found_;
-  std::vector<std::int32_t> waiting_;
 };
 
 }  // namespace collision_node::scene

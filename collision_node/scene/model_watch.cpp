@@ -33,20 +33,33 @@ double secondsFrom(Nanoseconds ns, const impact::PairEvent& event, double toi, d
 
 }  // namespace
 
+double ModelWatch::tubeOn(const Trust& trust) const {
+  return (tubeOf(trust.error_a, reach_a_) + tubeOf(trust.error_b, reach_b_)) * kUp;
+}
+
+bool ModelWatch::canRunOn(const Trust& trust) const {
+  return method_.knowsTubes() && (trust.error_a.asked || trust.error_b.asked) &&
+         std::isfinite(tubeOn(trust)) && trust.doubt == impact::Reason::kNone;
+}
+
+void ModelWatch::skip(const Trust& trust) {
+  startOver();
+  runs_ = canRunOn(trust);
+  if (runs_) state_.phase = Phase::kApart;
+}
+
 impact::PieceOutcome ModelWatch::advance(const Step& step) {
-  impact::Piece piece = step.piece;
-  piece.tube = (tubeOf(step.error_a, reach_a_) + tubeOf(step.error_b, reach_b_)) * kUp;
-  const bool is_asked = step.error_a.asked || step.error_b.asked;
-  const bool is_known = std::isfinite(piece.tube) && step.doubt == impact::Reason::kNone;
-  if (!method_.knowsTubes() || !is_asked || !is_known) {
+  if (!canRunOn(step.trust)) {
     interrupt();
     return {};
   }
+  impact::Piece piece = step.piece;
+  piece.tube = tubeOn(step.trust);
   if (!isUndecided()) speed_a_ = speed_b_ = error_a_ = error_b_ = tube_ = 0.0;
   speed_a_ = std::max(speed_a_, originSpeed(piece.a));
   speed_b_ = std::max(speed_b_, originSpeed(piece.b));
-  error_a_ = std::max(error_a_, step.error_a.position);
-  error_b_ = std::max(error_b_, step.error_b.position);
+  error_a_ = std::max(error_a_, step.trust.error_a.position);
+  error_b_ = std::max(error_b_, step.trust.error_b.position);
   tube_ = std::max(tube_, piece.tube);
   runs_ = true;
   std::vector<impact::PairEvent> events;

@@ -34,6 +34,8 @@ class ModelWatch {
   void finish();
   /// A new epoch, or behind a hole: as if never advanced.
   void startOver();
+  /// As if advanced over a piece of such trust on which the two were apart.
+  void skip(const Trust& trust);
   /// Forgets what is over. Call when every event has had its answer.
   void forgetEnded();
 
@@ -70,6 +72,8 @@ class ModelWatch {
     std::optional<Instant> to;
   };
 
+  double tubeOn(const Trust& trust) const;
+  bool canRunOn(const Trust& trust) const;
   void take(const std::vector<impact::PairEvent>& events);
   double ballOf(const impact::PairEvent& event) const;
 

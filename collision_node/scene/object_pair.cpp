@@ -38,8 +38,8 @@ void ObjectPair::startOver() {
   for (PairWatch& watch : watches_) watch.startOver();
 }
 
-void ObjectPair::jumpTo(std::size_t index_a, std::size_t index_b, Nanoseconds ns) {
-  cursor_.jumpTo(index_a, index_b, ns);
+void ObjectPair::jumpTo(std::size_t index_a, std::size_t index_b) {
+  cursor_.jumpTo(index_a, index_b);
   for (PairWatch& watch : watches_) watch.skip();
 }
 

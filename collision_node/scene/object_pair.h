@@ -44,8 +44,9 @@ class ObjectPair {
 
   /// From the tracks' first samples of the epoch.
   void restart(const PairWorld& world);
-  /// The pair is proved apart up to `ns`, or has shared no time before it. The samples are where to go on.
-  void jumpTo(std::size_t index_a, std::size_t index_b, Nanoseconds ns);
+  /// The pair is proved apart up to where the segments that begin with these samples have both begun, or has
+  /// shared no time before.
+  void jumpTo(std::size_t index_a, std::size_t index_b);
   /// Solves everything that is known, until it may rest. Different pairs may walk at the same time.
   void walk(const PairWorld& world);
 

@@ -177,13 +177,16 @@ std::size_t PairTable::settled(int object) const {
   return std::max(first, settled_[object] > 0 ? settled_[object] - 1 : 0);
 }
 
-/// ... and how far that sample tells where the object is.
+/// ... and how far that sample tells where the object is. Who is silent may come back at the watermark.
 Nanoseconds PairTable::settledUntil(int object) const {
   const Track& track = world_.track(object);
   if (track.isFixed()) return kForEver;
   const std::size_t index = settled(object);
-  if (track.sample(index).after == After::kOpen) return track.stamp(index);
-  return track.has(index + 1) ? track.stamp(index + 1) : kForEver;
+  const Nanoseconds stamp = track.stamp(index);
+  const bool is_new = settled_[object] <= track.firstIndex();
+  if (is_new || track.sample(index).after == After::kOpen) return stamp;
+  if (track.has(index + 1)) return track.stamp(index + 1);
+  return std::max(stamp, world_.time_line.watermark().value_or(stamp));
 }
 
 void PairTable::wakeUp(int object) {
@@ -202,14 +205,8 @@ void PairTable::wakeUp(int object) {
 /// The pair is proved apart for all samples that are settled; what comes behind them is to be looked at.
 void PairTable::goOnBehindProof(ObjectPair& pair, Nanoseconds proved_ns) {
   const int a = pair.a(), b = pair.b();
-  Nanoseconds until = std::min({proved_ns, settledUntil(a), settledUntil(b)});
-  if (until == kForEver) {  // nobody moves, for now
-    until = kAlways;
-    for (const int object : {a, b})
-      if (!world_.track(object).isFixed())
-        until = std::max(until, world_.track(object).stamp(settled(object)));
-  }
-  pair.jumpTo(world_.track(a).indexAt(until, settled(a)), world_.track(b).indexAt(until, settled(b)), until);
+  const Nanoseconds until = std::min({proved_ns, settledUntil(a), settledUntil(b)});
+  pair.jumpTo(world_.track(a).indexAt(until, settled(a)), world_.track(b).indexAt(until, settled(b)));
   ++pair.place.nap;
   if (pair.tryToRest(world_)) {
     layDown(pair);
@@ -282,6 +279,7 @@ void PairTable::finish(EventQueue& queue) {
 
 void PairTable::end(EventQueue& queue) {
   solve(kForEver, queue);
+  are_fixed_tested_ = true;  // now at the latest
   for (const auto& pair : statics_) {
     pair->endTest(world_);
     takeAway(*pair, queue);

@@ -54,6 +54,10 @@ PairWatch::PairWatch(const Scene& scene, const LinkPair& pair, PairRank rank,
              scene.objects[pair.object_b].links[pair.link_b].body->reach(), pair.contact_distance) {}
 
 void PairWatch::advance(const Step& step, Outbox& outbox, Costs& costs) {
+  if (step.skipped && state_.phase == Phase::kNew) {  // apart, as proved from afar
+    state_.phase = Phase::kApart;
+    model_.skip(*step.skipped);
+  }
   std::vector<impact::PairEvent> events;
   const impact::PieceOutcome outcome = method_->advance(step.piece, state_, events);
   const impact::PieceOutcome with_error = model_.advance(step);
@@ -150,7 +154,7 @@ impact::Answer PairWatch::worstAnswer() const {
 PairWatch::Context PairWatch::contextOf(const Step& step) const {
   const Link& a = scene_.objects[pair_.object_a].links[pair_.link_a];
   const Link& b = scene_.objects[pair_.object_b].links[pair_.link_b];
-  return {step.doubt, speedBound(step.piece.a, *a.body), speedBound(step.piece.b, *b.body)};
+  return {step.trust.doubt, speedBound(step.piece.a, *a.body), speedBound(step.piece.b, *b.body)};
 }
 
 void PairWatch::publish(const impact::PairEvent& event, const Context& context) {

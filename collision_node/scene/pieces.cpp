@@ -22,6 +22,19 @@ motion::RigidMotion motionOf(const Track& track, std::size_t index, const Reach&
   return reach.what == What::kMoves ? *reach.motion : track.restAt(index);
 }
 
+/// What the track did right before `ns`, in the segment that begins with `index` or ends with it; nothing
+/// when its run begins there.
+std::optional<Reach> reachBefore(const Track& track, std::size_t index, Nanoseconds ns) {
+  if (track.stamp(index) < ns) return track.reach(index);
+  if (track.isFixed() || track.sample(index).join != Join::kJoined) return std::nullopt;
+  Reach reach;
+  reach.doubt = track.sample(index).segment.doubt;
+  reach.error = track.sample(index).segment.error;
+  return reach;
+}
+
+Trust trustOf(const Reach& a, const Reach& b) { return {worseDoubt(a.doubt, b.doubt), a.error, b.error}; }
+
 }  // namespace
 
 void PieceCursor::restart(const Track& a, const Track& b) {
@@ -79,9 +92,11 @@ Step PieceCursor::next(const Track& a, const Track& b, Nanoseconds rest_known_ns
   if ((reach_a.guess_of_rest || reach_b.guess_of_rest) && end > rest_known_ns) return step;
 
   step.what = Step::What::kPiece;
-  step.doubt = worseDoubt(reach_a.doubt, reach_b.doubt);
-  step.error_a = reach_a.error;
-  step.error_b = reach_b.error;
+  step.trust = trustOf(reach_a, reach_b);
+  if (is_first_) {
+    const std::optional<Reach> before_a = reachBefore(a, a_, at_ns_), before_b = reachBefore(b, b_, at_ns_);
+    if (before_a && before_b) step.skipped = trustOf(*before_a, *before_b);
+  }
   step.piece = {at_ns_, end, motionOf(a, a_, reach_a), motionOf(b, b_, reach_b)};
   at_ns_ = end;
   is_first_ = false;
@@ -90,11 +105,10 @@ Step PieceCursor::next(const Track& a, const Track& b, Nanoseconds rest_known_ns
   return step;
 }
 
-void PieceCursor::jumpTo(std::size_t index_a, std::size_t index_b, Nanoseconds ns) {
+void PieceCursor::jumpTo(std::size_t index_a, std::size_t index_b) {
   a_ = index_a;
   b_ = index_b;
   begun_ = false;
-  at_ns_ = std::max(at_ns_, ns);
 }
 
 void PieceCursor::skipTo(const Track& a, const Track& b, Nanoseconds ns) {

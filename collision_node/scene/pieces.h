@@ -3,18 +3,26 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/scene/track.h"
 
 namespace collision_node::scene {
 
+/// How good what is known of two tracks' motions is.
+struct Trust {
+  impact::Reason doubt = impact::Reason::kNone;  ///< why events may not be certified
+  motion::ModelError error_a, error_b;           ///< of each side's motion
+};
+
 /// What comes next for a pair of tracks.
 struct Step {
   enum class What : std::uint8_t { kWait, kPiece, kBreak } what = What::kWait;
   impact::Piece piece;  ///< kPiece; adjoins the piece before, or is the first after a kBreak
-  impact::Reason doubt = impact::Reason::kNone;   ///< kPiece: why events on it may not be certified
-  motion::ModelError error_a, error_b;            ///< kPiece: of each side's motion
+  Trust trust;          ///< kPiece
+  /// kPiece behind a jump: that of the piece before it. The first piece of a run has none before it.
+  std::optional<Trust> skipped;
   impact::Reason reason = impact::Reason::kNone;  ///< kBreak: nothing is swept from the last piece on
   bool a_broke = false, b_broke = false;          ///< kBreak: whose poses broke off
 };
@@ -32,9 +40,9 @@ class PieceCursor {
   /// `ns`.
   void skipTo(const Track& a, const Track& b, Nanoseconds ns);
 
-  /// Goes on at `ns`, which is not before the end of the last piece, in segments that begin with these
-  /// samples or later: nothing in between is looked at.
-  void jumpTo(std::size_t index_a, std::size_t index_b, Nanoseconds ns);
+  /// Goes on where both segments that begin with these samples have begun, or with later ones, behind the
+  /// last piece: nothing in between is looked at.
+  void jumpTo(std::size_t index_a, std::size_t index_b);
 
   /// The oldest samples still needed.
   std::size_t indexA() const { return a_; }

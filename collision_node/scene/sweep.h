@@ -35,38 +35,4 @@ struct Sweep {
   bool isLong() const { return (to - from).squaredNorm() > 4.0 * radius * radius; }
 };
 
-/// "Does this box meet mine?" Exact.
-struct BoxQuestion {
-  Bounds box;
-  bool meets(const Bounds& other) const { return meet(box, other); }
-};
-
-/// "Does this box meet the line's surroundings?" Never false when it does, as long as the radius has 2^-45 of
-/// the largest coordinate to spare: slabs as of T. Kay and J. Kajiya 1986, with the line's box first.
-class LineQuestion {
- public:
-  explicit LineQuestion(const Sweep& sweep) : sweep_(sweep) {
-    const Vec3 way = sweep.to - sweep.from;
-    for (int i = 0; i < 3; ++i) inverse_[i] = 1.0 / (std::abs(way[i]) > 1e-300 ? way[i] : 1e-300);
-  }
-
-  const Sweep& sweep() const { return sweep_; }
-
-  bool meets(const Bounds& box) const {
-    if (!meet(sweep_.box, box)) return false;
-    double enter = 0.0, leave = 1.0;
-    for (int i = 0; i < 3; ++i) {
-      const double first = (box.lower[i] - sweep_.radius - sweep_.from[i]) * inverse_[i];
-      const double second = (box.upper[i] + sweep_.radius - sweep_.from[i]) * inverse_[i];
-      enter = std::max(enter, std::min(first, second));
-      leave = std::min(leave, std::max(first, second));
-    }
-    return enter <= leave * (1.0 + 0x1p-48);
-  }
-
- private:
-  const Sweep& sweep_;
-  Vec3 inverse_;
-};
-
 }  // namespace collision_node::scene

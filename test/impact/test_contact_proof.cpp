@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "collision_node/impact/contact_proof.h"
+#include "collision_node/impact/passage_proof.h"
 #include "test/impact/moving_pair.h"
 
 namespace collision_node::impact {
@@ -139,8 +140,8 @@ TEST(ContactProof, WhatIsSaidToTouchThroughoutTouchesAtFiftyTimes) {
 }
 
 /// Triangles around the origin whose inner corner is shared: a fan that is a graph over z = 0.
-std::vector<std::array<Vec3, 3>> randomPatch(Random& random, double size, int count) {
-  std::vector<std::array<Vec3, 3>> patch;
+TrianglePatch randomPatch(Random& random, double size, int count) {
+  TrianglePatch patch;
   const auto corner = [&] { return Vec3(0, 0, size * random.in(-0.2, 0.2)); };
   if (count < 3) {  // one triangle, or two on an edge
     const Vec3 p = size * Vec3(random.in(-1, -0.3), 0, 0) + corner();
@@ -167,7 +168,7 @@ std::vector<std::array<Vec3, 3>> randomPatch(Random& random, double size, int co
 }
 
 /// Height of p over the patch along z; nothing when p is not over it.
-std::optional<Real> heightOver(const std::vector<std::array<Vec3, 3>>& patch, const V3& p) {
+std::optional<Real> heightOver(const TrianglePatch& patch, const V3& p) {
   for (const auto& t : patch) {
     Real area[3], sum = 0;
     for (int k = 0; k < 3; ++k) {
@@ -187,8 +188,7 @@ std::optional<Real> heightOver(const std::vector<std::array<Vec3, 3>>& patch, co
 
 /// Does the point's exact path cross the patch, seen from sides that 400 samples can tell, its crossing
 /// bisected?
-bool crosses(const moving::Pair& pair, const std::vector<std::array<Vec3, 3>>& patch, bool point_is_a,
-             double from, double to) {
+bool crosses(const moving::Pair& pair, const TrianglePatch& patch, bool point_is_a, double from, double to) {
   const auto over = [&](Real t) {
     const oracle::Frame fa = pair.exact.pathA().at(t), fb = pair.exact.pathB().at(t);
     const oracle::Frame &tri = point_is_a ? fb : fa, &point = point_is_a ? fa : fb;
@@ -214,7 +214,7 @@ bool crosses(const moving::Pair& pair, const std::vector<std::array<Vec3, 3>>& p
   return false;
 }
 
-geometry::PlacedShape patchShape(const std::vector<std::array<Vec3, 3>>& patch) {
+geometry::PlacedShape patchShape(const TrianglePatch& patch) {
   std::vector<Vec3> vertices;
   std::vector<Corners> triangles;
   for (const auto& t : patch) {
@@ -258,7 +258,7 @@ TEST(ContactProof, WhatIsSaidToPassThroughCrosses) {
 }
 
 /// A point flies along z past the triangles of `patch` (in A, at rest), from z = 1 to z = -1, at (x, y).
-bool passesAt(const std::vector<std::array<Vec3, 3>>& patch, const Vec3& from, const Vec3& to) {
+bool passesAt(const TrianglePatch& patch, const Vec3& from, const Vec3& to) {
   const Piece piece{0, 1'000'000, moving::resting(), moving::flight(0, 1'000'000, from, (to - from) / 1e-3)};
   const moving::Pair pair({patchShape(patch)}, {moving::placed(geometry::Point{})}, piece);
   // The bracket of a solver is short: a few nanoseconds around the plane.
@@ -268,7 +268,7 @@ bool passesAt(const std::vector<std::array<Vec3, 3>>& patch, const Vec3& from, c
 
 TEST(ContactProof, NothingPassesWhereThereIsNoTriangle) {
   const Vec3 p(-1, -1, 0), q(1, -1, 0), r(0, 1, 0), s(0, -3, 0);
-  const std::vector<std::array<Vec3, 3>> one = {{p, q, r}}, two = {{p, q, r}, {q, p, s}};
+  const TrianglePatch one = {{p, q, r}}, two = {{p, q, r}, {q, p, s}};
   EXPECT_TRUE(passesAt(one, {0, 0, 1}, {0, 0, -1}));
   EXPECT_TRUE(passesAt(one, {0, 0, -1}, {0, 0, 1})) << "from behind";
   EXPECT_FALSE(passesAt(one, {0.6, 0.6, 1}, {0.6, 0.6, -1})) << "beside the triangle";

@@ -86,7 +86,8 @@ struct Moving {
 /// Proposals of the solver, the same bent out of shape, and any axis with any rate.
 std::vector<Axis> axesFor(Random& random, const Moving& m, const Instant& now) {
   const Closest closest = closestPoints(Cores(now, m.a, m.b), Vec3::Zero());
-  std::vector<Axis> axes = featureAxes(m.pair.solver, now, m.a, m.b);
+  const Axes features = featureAxes(m.pair.solver, now, m.a, m.b);
+  std::vector<Axis> axes(features.begin(), features.end());
   if (axes.size() > 6) axes.resize(6);
   for (const bool rounded : {false, true}) {
     const Axis axis = axisOf(m.pair.solver, now, closest, rounded);

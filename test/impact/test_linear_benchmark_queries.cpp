@@ -4,8 +4,8 @@
 /// Inclusion-Based Algorithm for Continuous Collision Detection", ACM TOG 40(5), 2021.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -82,6 +82,12 @@ class PublishedQueries : public ::testing::Test {
 };
 
 /// Verdicts that do not depend on the machine are asserted; times are only printed.
+double threadMicroseconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+}
+
 struct Score {
   int asked = 0, touching = 0, missed = 0, confirmed = 0, apart = 0, invented = 0, undecided = 0;
   double total_us = 0.0, worst_us = 0.0, widest = 0.0;
@@ -94,11 +100,9 @@ TEST_F(PublishedQueries, NoneIsMissedNoneIsInventedAndFewStayOpen) {
     LinearContact contact;
     double best_us = 1e9;  // of three: another program's turn on the processor is not ours
     for (int i = 0; i < 3; ++i) {
-      const auto start = std::chrono::steady_clock::now();
+      const double start = threadMicroseconds();
       contact = ask(one.query);
-      best_us = std::min(
-          best_us,
-          std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
+      best_us = std::min(best_us, threadMicroseconds() - start);
     }
     ++s.asked;
     s.total_us += best_us;
@@ -123,6 +127,7 @@ TEST_F(PublishedQueries, NoneIsMissedNoneIsInventedAndFewStayOpen) {
         "widest bracket %.2g; mean %.2f us, worst %.1f us\n",
         set.c_str(), s.asked, s.touching, s.missed, s.confirmed, s.apart, s.invented, s.undecided, s.widest,
         s.total_us / s.asked, s.worst_us);
+    EXPECT_LT(s.worst_us, 1000.0) << set << ": a query may cost a millisecond of this thread's time";
     open += s.undecided + s.invented;
     apart += s.apart;
   }

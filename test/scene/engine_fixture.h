@@ -164,14 +164,34 @@ struct Rig {
   Engine engine;
 };
 
+inline std::string text(const Vec3& v) {
+  std::ostringstream out;
+  out << std::hexfloat;
+  for (int k = 0; k < 3; ++k) std::isnan(v[k]) ? out << " none" : out << ' ' << v[k];
+  return out.str();
+}
+
+inline std::string text(const EventSide& side) {
+  std::ostringstream out;
+  const geometry::Quat& q = side.pose.orientation;
+  out << ' ' << side.object << '/' << side.link << " zone '" << side.zone << "' " << side.zone_certain
+      << " shape " << side.shape << ' ' << static_cast<int>(side.feature) << ' ' << side.triangle << " point"
+      << text(side.point) << " pose" << text(side.pose.position) << text(Vec3(q.vec())) << std::hexfloat
+      << ' ' << q.w() << " samples " << side.sample_before_ns << ' ' << side.sample_after_ns;
+  return out.str();
+}
+
+/// All that an event says, to the bit.
 inline std::string text(const Event& e) {
   std::ostringstream out;
   out << "epoch " << e.epoch << " event " << e.event_id << " contact " << e.contact_id << ' '
       << toString(e.kind) << ' ' << toString(e.certificate) << ' ' << toString(e.reason) << " stamp "
       << e.stamp_ns << " interval " << e.interval_start_ns << ' ' << e.interval_end_ns << std::hexfloat
-      << " toi " << e.toi_lower << ' ' << e.toi_upper << " at " << e.position.x() << ' ' << e.a.object << '/'
-      << e.a.link << ' ' << e.b.object << '/' << e.b.link << " samples " << e.a.sample_before_ns << ' '
-      << e.a.sample_after_ns << ' ' << e.b.sample_before_ns << ' ' << e.b.sample_after_ns;
+      << " toi " << e.toi_lower << ' ' << e.toi_upper << " at" << text(e.position) << " ball "
+      << e.position_error << ' ' << e.multiple << " normal" << text(e.normal) << ' ' << e.normal_error
+      << " speed" << text(e.relative_velocity) << ' ' << e.closing_speed << " model"
+      << text(Vec3(e.model_toi_lower, e.model_toi_upper, e.model_position_error)) << " opens "
+      << e.opens_contact << " a" << text(e.a) << " b" << text(e.b);
   return out.str();
 }
 

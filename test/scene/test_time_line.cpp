@@ -247,7 +247,7 @@ TEST(PieceCursor, AFrozenObjectIsKnownUpToTheWatermark) {
   cursor.restart(line.tracks()[0], line.tracks()[1]);
   EXPECT_EQ(walk(cursor, line, 250).pieces, (Pieces{{0, 100}, {100, 200}}));
   const Step step = cursor.next(line.tracks()[0], line.tracks()[1], 300 * kMs);
-  EXPECT_EQ(step.doubt, impact::Reason::kTimeout);
+  EXPECT_EQ(step.trust.doubt, impact::Reason::kTimeout);
   EXPECT_TRUE(step.piece.b.fixed);
 }
 
