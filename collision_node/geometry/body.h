@@ -13,8 +13,8 @@
 
 namespace collision_node::geometry {
 
-/// A core's own axes, for what is faster there. A box, a segment and a point are those of a box with half lengths
-/// `half`, which a segment has along z only; a cylinder has its axis along z and `half` unused.
+/// A core's own axes, for what is faster there. A box, a segment and a point are those of a box with half
+/// lengths `half`, which a segment has along z only; a cylinder has its axis along z and `half` unused.
 struct CoreFrame {
   Vec3 centre;  ///< [m], object frame
   Mat3 axes;    ///< columns, orthonormal to rounding
@@ -27,9 +27,9 @@ struct CoreFrame {
 struct Element {
   const Vec3* vertices = nullptr;  ///< [m], object frame; null for a cylinder
   int count = 0;
-  double radius = 0.0;  ///< [m]
-  const CoreFrame* frame =
-      nullptr;  ///< null for triangles and hulls; a box's corner i is beyond the centre along axis k if i has bit k
+  double radius = 0.0;               ///< [m]
+  const CoreFrame* frame = nullptr;  ///< null for triangles and hulls; a box's corner i is beyond the centre
+                                     ///< along axis k if i has bit k
   // cylinder core, when vertices == nullptr
   Vec3 centre = Vec3::Zero();
   Vec3 axis = Vec3::UnitZ();  ///< unit

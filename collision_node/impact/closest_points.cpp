@@ -31,7 +31,8 @@ ClampingCore::Seen ClampingCore::see(const Vec3& x, const Vec3& edge) const {
   const double radial = edge[0] * x[0] + edge[1] * x[1];
   seen.offset[0] = around * x[0];
   seen.offset[1] = around * x[1];
-  seen.bend += around * (edge[0] * edge[0] + edge[1] * edge[1]) + (1.0 - around) * radial * radial / distance2;
+  seen.bend +=
+      around * (edge[0] * edge[0] + edge[1] * edge[1]) + (1.0 - around) * radial * radial / distance2;
   return seen;
 }
 
@@ -99,8 +100,8 @@ Closest SlidingPoints::closest(const Cores& cores) const {
   const PosedCore& placed = segment_is_a_ ? cores.b : cores.a;
   // The solid's point, in its object's frame. Corners are taken as they are stored: facts look for them.
   Vec3 nearest = x_ - offset_;
-  const bool corner = solid.vertices != nullptr &&
-                      (offset_.array() != 0.0 || solid_.half.array() == 0.0).all();
+  const bool corner =
+      solid.vertices != nullptr && (offset_.array() != 0.0 || solid_.half.array() == 0.0).all();
   if (corner) {
     const int bits = (nearest.x() > 0.0 ? 1 : 0) | (nearest.y() > 0.0 ? 2 : 0) | (nearest.z() > 0.0 ? 4 : 0);
     nearest = solid.vertices[solid.count == 8 ? bits : solid.count == 2 ? bits >> 2 : 0];

@@ -2,9 +2,9 @@
 ///
 ///     a point or a segment   against   a point, a segment, a cylinder or a box
 ///
-/// The nearest point of each of these to a given one is in closed form (a clamp); along a segment the distance
-/// from it is convex, so what is left is the root of one monotone function. A proposal, never a proof, like all
-/// closest points.
+/// The nearest point of each of these to a given one is in closed form (a clamp); along a segment the
+/// distance from it is convex, so what is left is the root of one monotone function. A proposal, never a
+/// proof, like all closest points.
 #pragma once
 
 #include "collision_node/impact/gap_model.h"
@@ -44,7 +44,8 @@ class SlidingPoints {
 
   double distance() const { return distance_; }
   Closest closest(const Cores& cores) const;
-  /// The axis through them, with the rate at which they slide over both cores; invalid when the cores overlap.
+  /// The axis through them, with the rate at which they slide over both cores; invalid when the cores
+  /// overlap.
   Axis axis(const RelativeMotion& motion, const Instant& now) const;
 
  private:
@@ -59,9 +60,9 @@ class SlidingPoints {
   double distance_ = 0.0;
 };
 
-/// A cylinder and the vertices and edges of the other core that `hint` names: their closest points to rounding,
-/// where GJK only creeps towards the rim. At most two points, both with one point of the cylinder; none (count
-/// 0) for other pairs.
+/// A cylinder and the vertices and edges of the other core that `hint` names: their closest points to
+/// rounding, where GJK only creeps towards the rim. At most two points, both with one point of the cylinder;
+/// none (count 0) for other pairs.
 Closest closestOnEdges(const Cores& cores, const Closest& hint);
 
 }  // namespace collision_node::impact

@@ -44,7 +44,8 @@ MovingSupport::Value MovingSupport::at(double s) const {
     }
     return {value, u1_.dot(hull_->vertices[best])};
   }
-  Value v{constant_ + s * linear_ + half_[2] * std::abs(u[2]), linear_ + std::copysign(half_[2], u[2]) * u1_[2]};
+  Value v{constant_ + s * linear_ + half_[2] * std::abs(u[2]),
+          linear_ + std::copysign(half_[2], u[2]) * u1_[2]};
   if (round_) {
     const double across = std::sqrt(u[0] * u[0] + u[1] * u[1]);
     v.value += half_[0] * across;
@@ -67,7 +68,8 @@ GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a,
                    const Axis& axis, const CoreReaches& reaches)
     : direction_(axis.direction),
       rate_(axis.rate),
-      // A: max over a of [n + s (rate + n x omega_a)] . (R_a a); B likewise, its minimum written as a maximum.
+      // A: max over a of [n + s (rate + n x omega_a)] . (R_a a); B likewise, its minimum written as a
+      // maximum.
       a_(a, now.ra.transpose() * direction_,
          now.ra.transpose() * (rate_ + direction_.cross(piece.motion.omegaA()))),
       b_(b, -(now.rb.transpose() * direction_),
@@ -314,7 +316,7 @@ double apartFor(const GapModel& model, double span, double* gap_now) {
                              : 2.0 * start.gap / (discriminant - start.slope);
   };
   // The one with the least bend lies above the concave model: its root bounds ours from above.
-  double high = std::min(rootWith(model.leastBend()), span);
+  double high = std::min(span, rootWith(model.leastBend()));
   // The one with the present bend is right to second order: a little before its root most steps end.
   const double near = rootWith(model.bendNow()), less = 1e-9 + 0.2 * std::abs(1.0 - near / high);
   if (near < span && less < 0.02) {

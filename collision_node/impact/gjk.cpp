@@ -49,8 +49,9 @@ void offerSegment(const SupportPair* p, int i, int j, Reduced& best) {
   best.length2 = length2;
 }
 
-/// Ericson, Real-Time Collision Detection (2005), 5.1.5: Voronoi regions of a triangle; i < j < k. Where `k` is
-/// new and brings the simplex closer than i and j could, what is closest holds k: their edge need not be asked.
+/// Ericson, Real-Time Collision Detection (2005), 5.1.5: Voronoi regions of a triangle; i < j < k. Where `k`
+/// is new and brings the simplex closer than i and j could, what is closest holds k: their edge need not be
+/// asked.
 void offerTriangle(const SupportPair* p, int i, int j, int k, bool k_is_new, Reduced& best) {
   const Vec3 &a = p[i].w, &b = p[j].w, &c = p[k].w;
   const Vec3 n = (b - a).cross(c - a);
@@ -181,7 +182,8 @@ Closest slidingClosest(const Cores& cores) {
 
 double coreReach(const Element& e) {
   if (e.vertices == nullptr) return e.centre.norm() + std::hypot(e.rim_radius, e.half_length);
-  if (e.frame != nullptr) return ((e.frame->axes.transpose() * e.frame->centre).cwiseAbs() + e.frame->half).norm();
+  if (e.frame != nullptr)
+    return ((e.frame->axes.transpose() * e.frame->centre).cwiseAbs() + e.frame->half).norm();
   double reach2 = 0.0;
   for (int i = 0; i < e.count; ++i) reach2 = std::max(reach2, e.vertices[i].squaredNorm());
   return std::sqrt(reach2);
@@ -232,7 +234,8 @@ Closest closestPoints(const Cores& cores, const Vec3& guess, double enough, doub
   };
   Closest start;
   start.count = 1;
-  start.point[0] = cores.support(guess.squaredNorm() > 0.0 ? Vec3(-guess) : middle(cores.a) - middle(cores.b));
+  start.point[0] =
+      cores.support(guess.squaredNorm() > 0.0 ? Vec3(-guess) : middle(cores.a) - middle(cores.b));
   start.weight[0] = 1.0;
   return descend(cores, start, enough, loss);
 }

@@ -1,7 +1,6 @@
-/// Closest points of two posed convex cores (Gilbert, Johnson, Keerthi 1988), where closest_points.h has no closed
-/// form for them. A proposal, never a proof:
-/// whatever it returns is checked by gap_model.h or contact_proof.h, so non-convergence costs speed, not
-/// correctness.
+/// Closest points of two posed convex cores (Gilbert, Johnson, Keerthi 1988), where closest_points.h has no
+/// closed form for them. A proposal, never a proof: whatever it returns is checked by gap_model.h or
+/// contact_proof.h, so non-convergence costs speed, not correctness.
 #pragma once
 
 #include "collision_node/impact/pair_piece.h"
@@ -47,7 +46,7 @@ struct Closest {
   Vec3 v = Vec3::Zero();     ///< closest point of B - A to the origin: from A to B
   Vec3 last = Vec3::Zero();  ///< overlap: v before the origin was found inside
   bool overlap = false;      ///< the origin seems to lie inside
-  double sure = 0.0;         ///< > 0, from a closed form: v is right to rounding, where that is less than this [m]
+  double sure = 0.0;  ///< > 0, from a closed form: v is right to rounding, where that is less than this [m]
 };
 
 /// Closest points of the cores. `guess` is a first direction, e.g. the last answer's v. Points that are as

@@ -61,8 +61,8 @@ Axis PairSteps::closestAt(const Instant& now, double loss) {
   return axis;
 }
 
-/// Where a cylinder was closest to a vertex or an edge of the other, it most often still is: then the two slide
-/// along each other, and nothing need be searched. That no other point is closer shows in the gap.
+/// Where a cylinder was closest to a vertex or an edge of the other, it most often still is: then the two
+/// slide along each other, and nothing need be searched. That no other point is closer shows in the gap.
 bool PairSteps::staysOnEdge(const Instant& now, double loss, Axis* axis) {
   const bool cylinder_is_a = a_.vertices == nullptr;
   if (cylinder_is_a == (b_.vertices == nullptr)) return false;

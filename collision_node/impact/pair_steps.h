@@ -29,8 +29,8 @@ class PairSteps {
   const Closest& closest() const { return closest_; }
 
  private:
-  /// Finds the closest points and the axis through them. A distance that is too large by the share `loss` will
-  /// do.
+  /// Finds the closest points and the axis through them. A distance that is too large by the share `loss`
+  /// will do.
   Axis closestAt(const Instant& now, double loss);
   bool staysOnEdge(const Instant& now, double loss, Axis* axis);
   /// The best of the axis through the closest points and, where it does badly, of others.
@@ -39,7 +39,7 @@ class PairSteps {
   const PairPiece& piece_;
   const Element &a_, &b_;
   const CoreReaches reach_;
-  const double radius_;  ///< of both, with the contact distance
+  const double radius_;                   ///< of both, with the contact distance
   std::optional<SlidingPoints> sliding_;  ///< for a pair that has closed forms
   Parting parting_;
   Closest closest_;

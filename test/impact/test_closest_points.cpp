@@ -1,5 +1,6 @@
-/// closest_points.h: "a point or a segment against a point, a segment, a cylinder or a box", against the oracle's
-/// closest points in extended precision; and the axis "with the rate at which they slide over both cores".
+/// closest_points.h: "a point or a segment against a point, a segment, a cylinder or a box", against the
+/// oracle's closest points in extended precision; and the axis "with the rate at which they slide over both
+/// cores".
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,12 +18,12 @@ using oracle::Real;
 
 constexpr std::uint64_t kSeed = 78001;
 
-geometry::PlacedShape randomShape(Random& random, int kinds) {
+geometry::PlacedShape shapeOf(int kind, Random& random) {
   const auto length = [&] { return random.decade(-2, 0.3); };
   geometry::PlacedShape out;
   out.source = "random";
   out.origin = {moving::randomVec(random, random.chance(0.5) ? 0.0 : 0.5), random.orientation()};
-  switch (random.below(kinds)) {
+  switch (kind) {
     case 0:
       out.shape = geometry::Sphere{length()};
       break;
@@ -37,6 +38,10 @@ geometry::PlacedShape randomShape(Random& random, int kinds) {
       out.shape = geometry::Box{{length(), length(), length()}};
   }
   return out;
+}
+
+geometry::PlacedShape randomShape(Random& random, int kinds) {
+  return shapeOf(static_cast<int>(random.below(kinds)), random);
 }
 
 /// The distance of two cores. A box is its twelve triangles here: the distance from its surface.
@@ -67,10 +72,10 @@ Real exactDistance(const Element& a, const oracle::Frame& fa, const Element& b, 
   return least;
 }
 
-/// One of the pairs of the table, in either order, on a random piece of a second.
-moving::Pair randomPair(Random& random) {
+/// On a random piece of a second, in either order.
+moving::Pair randomPair(Random& random, const geometry::PlacedShape& first,
+                        const geometry::PlacedShape& second) {
   constexpr motion::Nanoseconds kSecond = 1000000000;
-  const geometry::PlacedShape segment = randomShape(random, 3), other = randomShape(random, 5);
   Piece piece;
   piece.end_ns = kSecond;
   const auto fly = [&] {
@@ -79,7 +84,12 @@ moving::Pair randomPair(Random& random) {
   };
   piece.a = fly();
   piece.b = fly();
-  return random.chance(0.5) ? moving::Pair({segment}, {other}, piece) : moving::Pair({other}, {segment}, piece);
+  return random.chance(0.5) ? moving::Pair({first}, {second}, piece) : moving::Pair({second}, {first}, piece);
+}
+
+/// One of the pairs of the table.
+moving::Pair randomPair(Random& random) {
+  return randomPair(random, randomShape(random, 3), randomShape(random, 5));
 }
 
 TEST(ClosestPoints, AreAsCloseAsTheOracleSays) {
@@ -102,12 +112,13 @@ TEST(ClosestPoints, AreAsCloseAsTheOracleSays) {
       Vec3 blend = Vec3::Zero();
       for (int k = 0; k < found.count; ++k) {
         const SupportPair& p = found.point[k];
-        EXPECT_NEAR((cores.b.place(p.local_b) - cores.a.place(p.local_a) - p.w).norm(), 0.0, 1e-14);
+        EXPECT_NEAR((cores.b.place(p.local_b) - cores.a.place(p.local_a) - p.w).norm(), 0.0, 1e-13);
         blend += found.weight[k] * p.w;
       }
-      EXPECT_NEAR((blend - found.v).norm(), 0.0, 1e-14);
-      EXPECT_NEAR(found.v.norm(), points.distance(), 1e-14);
-      if (found.overlap) continue;  // inside a box or a cylinder the oracle's distance is one from the surface
+      EXPECT_NEAR((blend - found.v).norm(), 0.0, 1e-13);
+      EXPECT_NEAR(found.v.norm(), points.distance(), 1e-13);
+      if (found.overlap)
+        continue;  // inside a box or a cylinder the oracle's distance is one from the surface
       ++apart;
       const oracle::Frame fa = pair.exact.pathA().at(t), fb = pair.exact.pathB().at(t);
       const Real error = std::abs(points.distance() - exactDistance(a, fa, b, fb));
@@ -116,6 +127,34 @@ TEST(ClosestPoints, AreAsCloseAsTheOracleSays) {
     }
   }
   EXPECT_GT(apart, 8000);
+  std::printf("%d distances, the worst off by %.3Lg\n", apart, worst);
+}
+
+TEST(ClosestPoints, WithoutAClosedFormTheyAreAsClose) {
+  Random random(kSeed, 2);
+  Real worst = 0;
+  int apart = 0;
+  for (int i = 0; i < 500; ++i) {
+    SCOPED_TRACE(i);
+    const int other = random.chance(0.5) ? 4 : 3;
+    const moving::Pair pair =
+        randomPair(random, shapeOf(4, random), shapeOf(other, random));  // no two cylinders
+    Vec3 buffer[3];
+    const Element a = pair.body_a.element(0, buffer), b = pair.body_b.element(0, buffer);
+    ASSERT_FALSE(SlidingPoints::fit(a, b));
+    Closest found;
+    for (const double t : {0.3, 0.31, 0.7}) {
+      const Instant now = pair.solver.at(t);
+      found = closestPoints(Cores(now, a, b), found);
+      if (found.overlap) continue;
+      ++apart;
+      const oracle::Frame fa = pair.exact.pathA().at(t), fb = pair.exact.pathB().at(t);
+      const Real error = std::abs(found.v.norm() - exactDistance(a, fa, b, fb));
+      worst = std::max(worst, error);
+      EXPECT_LT(error, 1e-10L) << "at " << t;
+    }
+  }
+  EXPECT_GT(apart, 900);
   std::printf("%d distances, the worst off by %.3Lg\n", apart, worst);
 }
 
@@ -139,7 +178,8 @@ TEST(ClosestPoints, TheAxisSlidesWithThem) {
     const Axis later = axisAt(0.5 + kStep);
     ++checked;
     // To second order, but for the few that come to another feature just then.
-    if ((later.direction - axis.direction - kStep * axis.rate).norm() > 1e-4 * kStep * (1.0 + axis.rate.norm()))
+    if ((later.direction - axis.direction - kStep * axis.rate).norm() >
+        1e-4 * kStep * (1.0 + axis.rate.norm()))
       ++off;
   }
   EXPECT_GT(checked, 1500);
