@@ -72,14 +72,14 @@ bool SlidingPoints::fit(const Element& a, const Element& b) {
   return a.frame != nullptr && b.frame != nullptr && (isSegment(a) || isSegment(b));
 }
 
+SlidingPoints::SlidingPoints(const Element& a, const Element& b, bool curve_is_a)
+    : a_(a), b_(b), curve_is_a_(curve_is_a), solid_(curve_is_a ? b : a) {}
+
 SlidingPoints::SlidingPoints(const Element& a, const Element& b)
-    : a_(a),
-      b_(b),
-      segment_is_a_(isSegment(a) && !(isSegment(b) && b.count < a.count)),
-      solid_(segment_is_a_ ? b : a) {}
+    : SlidingPoints(a, b, isSegment(a) && !(isSegment(b) && b.count < a.count)) {}
 
 void SlidingPoints::find(const Cores& cores) {
-  const PosedCore &segment = segment_is_a_ ? cores.a : cores.b, &solid = segment_is_a_ ? cores.b : cores.a;
+  const PosedCore &segment = curve_is_a_ ? cores.a : cores.b, &solid = curve_is_a_ ? cores.b : cores.a;
   frame_ = *solid.rotation * solid_.frame.axes;
   const Vec3* const ends = segment.element->vertices;
   x_ = frame_.transpose() * (segment.place(ends[0]) - solid.place(solid_.frame.centre));
@@ -93,11 +93,56 @@ void SlidingPoints::find(const Cores& cores) {
   }
   offset_ = solid_.see(x_, edge_).offset;
   distance_ = offset_.norm();
+  slides_ = share_ > 0.0 && share_ < 1.0;
+}
+
+/// Newton's method on the derivative of half the squared distance round the rim.
+bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
+  const PosedCore &rim = curve_is_a_ ? cores.a : cores.b, &solid = curve_is_a_ ? cores.b : cores.a;
+  const Element& e = *rim.element;
+  const Mat3 own = *rim.rotation * e.frame->axes;
+  const Vec3 out = own.transpose() * (curve_is_a_ ? direction : Vec3(-direction));
+  double cosine = out.x(), sine = out.y(), length = std::hypot(cosine, sine);
+  // Near a side or an end of the cylinder another feature may hold the closest points.
+  constexpr double kSharp = 1e-3;
+  if (!(length > kSharp * std::abs(out.z()) && std::abs(out.z()) > kSharp * length)) return false;
+  frame_ = *solid.rotation * solid_.frame.axes;
+  const double end = std::copysign(e.half_length, out.z());
+  const Vec3 centre = frame_.transpose() *
+                      (rim.place(e.centre + end * e.frame->axes.col(2)) - solid.place(solid_.frame.centre));
+  const Vec3 first = frame_.transpose() * own.col(0) * e.rim_radius,
+             second = frame_.transpose() * own.col(1) * e.rim_radius;
+  slides_ = true;
+  constexpr int kMost = 8;
+  constexpr double kClose = 1e-12, kFar = 0.5;
+  for (int i = 0; i < kMost; ++i) {
+    cosine /= length;
+    sine /= length;
+    const Vec3 arm = cosine * first + sine * second;
+    x_ = centre + arm;
+    edge_ = cosine * second - sine * first;
+    const ClampingCore::Seen seen = solid_.see(x_, edge_);
+    offset_ = seen.offset;
+    curving_ = -offset_.dot(arm);
+    const double bend = seen.bend + curving_, slope = offset_.dot(edge_);
+    if (!(bend > 0.0) || !(std::abs(slope) < kFar * bend)) return false;
+    const double step = -slope / bend;
+    if (std::abs(step) < kClose) {
+      distance_ = offset_.norm();
+      on_rim_ = e.centre + e.frame->axes * Vec3(e.rim_radius * cosine, e.rim_radius * sine, end);
+      return distance_ > 0.0;
+    }
+    const double turned = cosine - step * sine;
+    sine += step * cosine;
+    cosine = turned;
+    length = std::hypot(cosine, sine);
+  }
+  return false;
 }
 
 Closest SlidingPoints::closest(const Cores& cores) const {
-  const Element &segment = segment_is_a_ ? a_ : b_, &solid = segment_is_a_ ? b_ : a_;
-  const PosedCore& placed = segment_is_a_ ? cores.b : cores.a;
+  const Element &curve = curve_is_a_ ? a_ : b_, &solid = curve_is_a_ ? b_ : a_;
+  const PosedCore& placed = curve_is_a_ ? cores.b : cores.a;
   // The solid's point, in its object's frame. Corners are taken as they are stored: facts look for them.
   Vec3 nearest = x_ - offset_;
   const bool corner =
@@ -109,49 +154,49 @@ Closest SlidingPoints::closest(const Cores& cores) const {
     nearest = solid_.frame.centre + solid_.frame.axes * nearest;
   }
   Closest c;
-  const bool at_end = segment.count == 1 || share_ == 0.0 || share_ == 1.0;
+  const bool on_rim = curve.vertices == nullptr, at_end = !slides_ || on_rim;
   c.count = at_end ? 1 : 2;
-  c.v = frame_ * (segment_is_a_ ? Vec3(-offset_) : offset_);
+  c.v = frame_ * (curve_is_a_ ? Vec3(-offset_) : offset_);
   const Vec3 on_solid = placed.place(nearest);
-  const PosedCore& other = segment_is_a_ ? cores.a : cores.b;
+  const PosedCore& other = curve_is_a_ ? cores.a : cores.b;
   for (int i = 0; i < c.count; ++i) {
-    const Vec3& x = segment.vertices[at_end ? (share_ == 1.0 ? 1 : 0) : i];
+    const Vec3& x = on_rim ? on_rim_ : curve.vertices[at_end ? (share_ == 1.0 ? 1 : 0) : i];
     const Vec3 w = on_solid - other.place(x);
-    c.point[i] = segment_is_a_ ? SupportPair{w, x, nearest} : SupportPair{-w, nearest, x};
+    c.point[i] = curve_is_a_ ? SupportPair{w, x, nearest} : SupportPair{-w, nearest, x};
     c.weight[i] = at_end ? 1.0 : i == 0 ? 1.0 - share_ : share_;
   }
   c.overlap = distance_ == 0.0;
-  if (at_end && !c.overlap) {
+  if (!slides_ && !c.overlap) {
     // How far the rest of the segment lies beyond the closest point.
     const double beyond = std::abs(offset_.dot(edge_)) / distance_;
-    c.sure = segment.count == 1 ? std::numeric_limits<double>::infinity() : beyond;
+    c.sure = curve.count == 1 ? std::numeric_limits<double>::infinity() : beyond;
   }
   return c;
 }
 
-/// In the solid's own turning axes, with M the derivative of the offset o, e the segment and x' the velocity
-/// of its closest point, were it fixed on the segment: o' = M (x' + e s'), and s' keeps o . e = 0.
+/// In the solid's own turning axes, with M the derivative of the offset o, e the curve's derivative and x'
+/// the velocity of its closest point, were it fixed on the curve: o' = M (x' + e s'), and s' keeps o . e = 0.
 Axis SlidingPoints::axis(const RelativeMotion& m, const Instant& now) const {
   Axis axis;
   if (!(distance_ > 0.0)) return axis;
-  const double outward = segment_is_a_ ? -1.0 : 1.0;  // from the solid to the segment, or back
-  const Mat3& turned = segment_is_a_ ? now.rb : now.ra;
-  const Vec3 &omega = segment_is_a_ ? m.omegaB() : m.omegaA(),
-             &other_omega = segment_is_a_ ? m.omegaA() : m.omegaB();
+  const double outward = curve_is_a_ ? -1.0 : 1.0;  // from the solid to the segment, or back
+  const Mat3& turned = curve_is_a_ ? now.rb : now.ra;
+  const Vec3 &omega = curve_is_a_ ? m.omegaB() : m.omegaA(),
+             &other_omega = curve_is_a_ ? m.omegaA() : m.omegaB();
   const Vec3 x = frame_ * x_, centre = turned * solid_.frame.centre;
-  // The segment's point from its own object's origin.
+  // The curve's point from its own object's origin.
   const Vec3 arm = x + centre - outward * now.d;
   const Vec3 v = frame_.transpose() *
                  (outward * now.d_rate + other_omega.cross(arm) - omega.cross(centre) - omega.cross(x));
   const Mat3 stretch = solid_.stretch(x_);
   Vec3 n = offset_ / distance_;
   Vec3 rate = stretch * v;
-  if (share_ > 0.0 && share_ < 1.0) {
+  if (slides_) {
     const double length2 = edge_.squaredNorm();
-    // What rounding left along the segment would cost its whole length.
+    // What rounding left along a segment would cost its whole length.
     n -= edge_ * (edge_.dot(n) / length2);
     const Vec3 stretched = stretch * edge_;
-    const double bend = edge_.dot(stretched);
+    const double bend = edge_.dot(stretched) + curving_;
     if (bend > 1e-12 * length2) {
       const Vec3 edge_rate = frame_.transpose() * (other_omega - omega).cross(frame_ * edge_);
       rate -= stretched * ((offset_.dot(edge_rate) + edge_.dot(rate)) / bend);

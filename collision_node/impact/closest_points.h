@@ -31,6 +31,7 @@ struct ClampingCore {
   double nearestShare(const Vec3& x, const Vec3& edge, double guess) const;
 };
 
+/// The closest points of a curve of one core, a segment or a rim, and of the whole other core.
 class SlidingPoints {
  public:
   /// Are the two a pair of the table above?
@@ -42,6 +43,13 @@ class SlidingPoints {
   /// Finds the closest points; what follows is about those found last.
   void find(const Cores& cores);
 
+  /// Of a rim of one cylinder and another core that has a frame.
+  static SlidingPoints ofRim(const Element& a, const Element& b, bool rim_is_a) { return {a, b, rim_is_a}; }
+
+  /// Of the rim on the side of `direction`, from A to B, those near to where it leaves the cylinder. False
+  /// where there are none.
+  bool findOnRim(const Cores& cores, const Vec3& direction);
+
   double distance() const { return distance_; }
   Closest closest(const Cores& cores) const;
   /// The axis through them, with the rate at which they slide over both cores; invalid when the cores
@@ -49,14 +57,19 @@ class SlidingPoints {
   Axis axis(const RelativeMotion& motion, const Instant& now) const;
 
  private:
+  SlidingPoints(const Element& a, const Element& b, bool curve_is_a);
+
   const Element &a_, &b_;
-  const bool segment_is_a_;
+  const bool curve_is_a_;
   const ClampingCore solid_;
   Mat3 frame_ = Mat3::Identity();  ///< world <- the solid's own axes, in which the next three are
-  Vec3 edge_ = Vec3::Zero();       ///< the whole segment
-  Vec3 x_ = Vec3::Zero();          ///< its closest point, from the solid's centre
+  Vec3 edge_ = Vec3::Zero();       ///< the whole segment, or the rim's tangent for a radian
+  Vec3 x_ = Vec3::Zero();          ///< the curve's closest point, from the solid's centre
   Vec3 offset_ = Vec3::Zero();     ///< from the other core, the solid, to it
   double share_ = 0.0;             ///< of the segment up to it
+  bool slides_ = false;            ///< it is no end of the segment
+  double curving_ = 0.0;           ///< offset . the rim's second derivative
+  Vec3 on_rim_ = Vec3::Zero();     ///< it, in its object's frame
   double distance_ = 0.0;
 };
 

@@ -53,7 +53,7 @@ Axis PairSteps::closestAt(const Instant& now, double loss) {
     sliding_->find(Cores(now, a_, b_));
     distance_ = sliding_->distance();
     axis = sliding_->axis(piece_.motion, now);
-  } else if (!staysOnEdge(now, loss, &axis)) {
+  } else if (!staysOnRim(now, loss, &axis) && !staysOnEdge(now, loss, &axis)) {
     closest_ = closestPoints(Cores(now, a_, b_), closest_, radius_, loss);
     distance_ = closest_.v.norm();
     axis = axisOf(piece_, now, closest_, radius_ > 0.0);
@@ -66,10 +66,14 @@ Axis PairSteps::closestAt(const Instant& now, double loss) {
 bool PairSteps::staysOnEdge(const Instant& now, double loss, Axis* axis) {
   const bool cylinder_is_a = a_.vertices == nullptr;
   if (cylinder_is_a == (b_.vertices == nullptr)) return false;
+  const Element& other = cylinder_is_a ? b_ : a_;
   Vec3 ends[2];
   int count = 0;
   for (int i = 0; i < closest_.count; ++i) {
     const Vec3& x = cylinder_is_a ? closest_.point[i].local_b : closest_.point[i].local_a;
+    // Points found on a rim are opposite to any point.
+    if (std::find(other.vertices, other.vertices + other.count, x) == other.vertices + other.count)
+      return false;
     if (std::find(ends, ends + count, x) != ends + count) continue;
     if (count == 2) return false;
     ends[count++] = x;
@@ -82,11 +86,29 @@ bool PairSteps::staysOnEdge(const Instant& now, double loss, Axis* axis) {
   SlidingPoints points(a, b);
   const Cores cores(now, a, b);
   points.find(cores);
+  return takeOver(points, cores, now, loss, axis);
+}
+
+/// The same of a cylinder that was closest with its rim.
+bool PairSteps::staysOnRim(const Instant& now, double loss, Axis* axis) {
+  if (!parting_.axis.valid) return false;
+  const Cores cores(now, a_, b_);
+  for (const bool rim_is_a : {true, false}) {
+    const Element &rim = rim_is_a ? a_ : b_, &other = rim_is_a ? b_ : a_;
+    if (rim.vertices != nullptr || other.frame == nullptr) continue;
+    SlidingPoints points = SlidingPoints::ofRim(a_, b_, rim_is_a);
+    if (points.findOnRim(cores, parting_.at(now.t)) && takeOver(points, cores, now, loss, axis)) return true;
+  }
+  return false;
+}
+
+bool PairSteps::takeOver(const SlidingPoints& points, const Cores& part, const Instant& now, double loss,
+                         Axis* axis) {
   const Axis found = points.axis(piece_.motion, now);
   if (!found.valid) return false;
   const double gap = Cores(now, a_, b_).gapAlong(found.direction);
   if (points.distance() - gap > loss * (points.distance() - radius_)) return false;
-  closest_ = points.closest(cores);
+  closest_ = points.closest(part);
   distance_ = points.distance();
   *axis = found;
   return true;

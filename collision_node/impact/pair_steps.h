@@ -33,6 +33,9 @@ class PairSteps {
   /// will do.
   Axis closestAt(const Instant& now, double loss);
   bool staysOnEdge(const Instant& now, double loss, Axis* axis);
+  bool staysOnRim(const Instant& now, double loss, Axis* axis);
+  /// Takes over the points, found for a part of the pair, if no other point of it shows itself closer.
+  bool takeOver(const SlidingPoints& points, const Cores& part, const Instant& now, double loss, Axis* axis);
   /// The best of the axis through the closest points and, where it does badly, of others.
   double longest(const Instant& now, Axis axis, double span, Axis* proved);
 

@@ -187,5 +187,40 @@ TEST(ClosestPoints, TheAxisSlidesWithThem) {
   std::printf("%d rates, %d at a change of features\n", checked, off);
 }
 
+TEST(ClosestPoints, OnARimTheyAreAsCloseAndSlide) {
+  Random random(kSeed, 3);
+  int found = 0, off = 0;
+  for (int i = 0; i < 1500; ++i) {
+    SCOPED_TRACE(i);
+    const moving::Pair pair = randomPair(random, shapeOf(3, random), shapeOf(4, random));
+    Vec3 buffer[3];
+    const Element a = pair.body_a.element(0, buffer), b = pair.body_b.element(0, buffer);
+    SlidingPoints points = SlidingPoints::ofRim(a, b, a.vertices == nullptr);
+    constexpr double kTime = 0.5, kStep = 1e-6;
+    const Instant now = pair.solver.at(kTime), later = pair.solver.at(kTime + kStep);
+    const Cores cores(now, a, b);
+    const Vec3 guess = closestPoints(cores, Vec3::Zero()).v;
+    if (!(guess.norm() > 0.1) || !points.findOnRim(cores, guess)) continue;
+    const Axis axis = points.axis(pair.solver.motion, now);
+    ASSERT_TRUE(axis.valid);
+    if (cores.gapAlong(axis.direction) < (1.0 - 1e-9) * points.distance()) continue;  // others are closer
+    ++found;
+    const oracle::Frame fa = pair.exact.pathA().at(kTime), fb = pair.exact.pathB().at(kTime);
+    EXPECT_LT(std::abs(points.distance() - exactDistance(a, fa, b, fb)), 1e-12L);
+    const Closest closest = points.closest(cores);
+    EXPECT_EQ(closest.count, 1);
+    EXPECT_NEAR(closest.v.norm(), points.distance(), 1e-13);
+    EXPECT_NEAR((closest.point[0].w - closest.v).norm(), 0.0, 1e-13);
+    if (!points.findOnRim(Cores(later, a, b), guess)) continue;
+    const Axis next = points.axis(pair.solver.motion, later);
+    if ((next.direction - axis.direction - kStep * axis.rate).norm() >
+        1e-4 * kStep * (1.0 + axis.rate.norm()))
+      ++off;
+  }
+  EXPECT_GT(found, 500);
+  EXPECT_LE(off, found / 100);
+  std::printf("%d pairs closest on a rim, %d at a change of features\n", found, off);
+}
+
 }  // namespace
 }  // namespace collision_node::impact
