@@ -5,7 +5,11 @@
 #include <btBulletCollisionCommon.h>
 #endif
 #ifdef COLLISION_NODE_HAS_EMBREE
-#include <embree3/rtcore.h>
+#include "collision_node/report/methods/embree_scene.h"
+#endif
+#ifdef COLLISION_NODE_HAS_FCL
+#include <fcl/broadphase/broadphase_SSaP.h>
+#include <fcl/geometry/shape/sphere.h>
 #endif
 
 namespace collision_node::report {
@@ -57,71 +61,94 @@ std::unique_ptr<BroadPeer> makeBulletBroadPhase(const std::vector<geometry::Boun
 
 #endif
 
+#ifdef COLLISION_NODE_HAS_FCL
+
+namespace {
+
+/// Any box: who asks for it is not told what shape or pose would give it.
+class FclBox : public fcl::CollisionObjectd {
+ public:
+  FclBox(const std::shared_ptr<fcl::CollisionGeometryd>& shape, const geometry::Bounds& box)
+      : CollisionObject(shape) {
+    set(box);
+  }
+  void set(const geometry::Bounds& box) { aabb = fcl::AABBd(box.lower, box.upper); }
+};
+
+class FclBroadPhase : public BroadPeer {
+ public:
+  explicit FclBroadPhase(const std::vector<geometry::Bounds>& boxes) {
+    const auto shape = std::make_shared<fcl::Sphered>(1.0);
+    objects_.reserve(boxes.size());
+    for (const geometry::Bounds& box : boxes) {
+      objects_.push_back(std::make_unique<FclBox>(shape, box));
+      manager_.registerObject(objects_.back().get());
+    }
+    manager_.setup();
+  }
+
+  std::size_t pairs(const std::vector<geometry::Bounds>& boxes) override {
+    for (std::size_t i = 0; i < boxes.size(); ++i) objects_[i]->set(boxes[i]);
+    manager_.update();
+    std::size_t count = 0;
+    manager_.collide(&count, [](fcl::CollisionObjectd*, fcl::CollisionObjectd*, void* data) {
+      ++*static_cast<std::size_t*>(data);
+      return false;
+    });
+    return count;
+  }
+
+ private:
+  std::vector<std::unique_ptr<FclBox>> objects_;
+  fcl::SSaPCollisionManagerd manager_;
+};
+
+}  // namespace
+
+std::unique_ptr<BroadPeer> makeFclBroadPhase(const std::vector<geometry::Bounds>& boxes) {
+  return std::make_unique<FclBroadPhase>(boxes);
+}
+
+#else
+
+std::unique_ptr<BroadPeer> makeFclBroadPhase(const std::vector<geometry::Bounds>&) { return nullptr; }
+
+#endif
+
 #ifdef COLLISION_NODE_HAS_EMBREE
 
 namespace {
 
 class EmbreeBoxes : public RayPeer {
  public:
-  explicit EmbreeBoxes(const std::vector<geometry::Bounds>& boxes)
-      : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
-    constexpr unsigned kSides[12][3] = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
-                                        {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
-    const RTCGeometry triangles = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(
-        triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 8 * boxes.size()));
-    auto* corners = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-        triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), 12 * boxes.size()));
-    unsigned first = 0;
-    for (const geometry::Bounds& box : boxes) {
-      for (int corner = 0; corner < 8; ++corner)
-        for (int k = 0; k < 3; ++k)
-          *points++ = static_cast<float>((corner >> k) % 2 == 0 ? box.lower[k] : box.upper[k]);
-      for (const auto& side : kSides)
-        for (const unsigned corner : side) *corners++ = first + corner;
-      first += 8;
-    }
-    rtcCommitGeometry(triangles);
-    rtcAttachGeometry(scene_, triangles);
-    rtcReleaseGeometry(triangles);
-    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-    rtcCommitScene(scene_);
-  }
-  ~EmbreeBoxes() override {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
-  }
-  EmbreeBoxes(const EmbreeBoxes&) = delete;
-  EmbreeBoxes& operator=(const EmbreeBoxes&) = delete;
-
+  EmbreeBoxes(const std::vector<geometry::Vec3>& corners,
+              const std::vector<std::array<std::int32_t, 3>>& triangles)
+      : embree_(corners, triangles) {}
   bool hits(const geometry::Vec3& from, const geometry::Vec3& to) override {
-    RTCRayHit ray = {};
-    ray.ray.org_x = static_cast<float>(from.x());
-    ray.ray.org_y = static_cast<float>(from.y());
-    ray.ray.org_z = static_cast<float>(from.z());
-    ray.ray.dir_x = static_cast<float>(to.x() - from.x());
-    ray.ray.dir_y = static_cast<float>(to.y() - from.y());
-    ray.ray.dir_z = static_cast<float>(to.z() - from.z());
-    ray.ray.tfar = 1.0F;
-    ray.ray.mask = ~0U;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene_, &context, &ray);
-    return ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    return embree_.firstHit(from, to - from).has_value();
   }
 
  private:
-  RTCDevice device_;
-  RTCScene scene_;
+  EmbreeScene embree_;
 };
 
 }  // namespace
 
 std::unique_ptr<RayPeer> makeEmbreeBoxes(const std::vector<geometry::Bounds>& boxes) {
-  return std::make_unique<EmbreeBoxes>(boxes);
+  constexpr std::int32_t kSides[12][3] = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
+                                          {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
+  std::vector<geometry::Vec3> corners;
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  for (const geometry::Bounds& box : boxes) {
+    const std::int32_t first = static_cast<std::int32_t>(corners.size());
+    for (const auto& side : kSides) triangles.push_back({first + side[0], first + side[1], first + side[2]});
+    for (int corner = 0; corner < 8; ++corner) {
+      corners.push_back(box.lower);
+      for (int k = 0; k < 3; ++k)
+        if ((corner >> k) % 2 == 1) corners.back()[k] = box.upper[k];
+    }
+  }
+  return std::make_unique<EmbreeBoxes>(corners, triangles);
 }
 
 #else

@@ -22,7 +22,9 @@ class RayPeer {
   virtual bool hits(const geometry::Vec3& from, const geometry::Vec3& to) = 0;
 };
 
-/// Boxes in float.
+/// SSaPCollisionManager: sorted along three axes anew, swept along the one where fewest meet.
+std::unique_ptr<BroadPeer> makeFclBroadPhase(const std::vector<geometry::Bounds>& boxes);
+/// btDbvtBroadphase, boxes in float.
 std::unique_ptr<BroadPeer> makeBulletBroadPhase(const std::vector<geometry::Bounds>& boxes);
 /// Twelve triangles a box, float, robust.
 std::unique_ptr<RayPeer> makeEmbreeBoxes(const std::vector<geometry::Bounds>& boxes);

@@ -1,8 +1,9 @@
 #include "collision_node/scene/box_node.h"
 
 #include <algorithm>
+#include <limits>
 
-#if defined(__x86_64__)
+#if defined(__SSE2__)
 #include <emmintrin.h>
 #endif
 
@@ -12,24 +13,15 @@ namespace {
 
 constexpr int kWidth = BoxNode::kWidth;
 
-// Wider than the baseline's registers: the compiler splits them there, or makes a second version, and the
-// loader picks. Both give the same bits.
-typedef float Floats __attribute__((vector_size(32), may_alias));
+/// As wide as any 64-bit PC's registers. Registers of eight were a tenth faster, and would be a second
+/// version of all this.
+typedef float Floats __attribute__((vector_size(16), may_alias));
 using Mask = decltype(Floats{} < Floats{});
-constexpr int kLanes = 8, kHalves = kWidth / kLanes;
+constexpr int kLanes = 4;
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define COLLISION_NODE_ANY_WIDTH __attribute__((target_clones("avx2", "default")))
-#else
-#define COLLISION_NODE_ANY_WIDTH
-#endif
-#define COLLISION_NODE_INLINE inline __attribute__((always_inline))
-
-COLLISION_NODE_INLINE unsigned bits(const Mask& mask) {
-#if defined(__x86_64__)
-  __m128 half[2];
-  __builtin_memcpy(half, &mask, sizeof mask);
-  return static_cast<unsigned>(_mm_movemask_ps(half[0]) | _mm_movemask_ps(half[1]) << 4);
+unsigned bits(const Mask& mask) {
+#if defined(__SSE2__)
+  return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(mask)));
 #else
   unsigned all = 0;
   for (int i = 0; i < kLanes; ++i) all |= (mask[i] & 1U) << i;
@@ -38,45 +30,45 @@ COLLISION_NODE_INLINE unsigned bits(const Mask& mask) {
 }
 
 // NaN, of an infinity less itself, changes nothing.
-COLLISION_NODE_INLINE void larger(Floats& a, const Floats& b) { a = b > a ? b : a; }
-COLLISION_NODE_INLINE void smaller(Floats& a, const Floats& b) { a = b < a ? b : a; }
+void larger(Floats& a, const Floats& b) { a = b > a ? b : a; }
+void smaller(Floats& a, const Floats& b) { a = b < a ? b : a; }
 
-COLLISION_NODE_INLINE const Floats& lanes(const BoxNode& node, int plane, int half) {
-  return *reinterpret_cast<const Floats*>(node.plane[plane] + kLanes * half);
+const Floats& lanes(const BoxNode& node, int plane, int first) {
+  return *reinterpret_cast<const Floats*>(node.plane[plane] + first);
 }
 
 /// By bit.
-COLLISION_NODE_INLINE unsigned lanesThatMeet(const BoxNode& node, const FloatBox& box) {
+unsigned lanesThatMeet(const BoxNode& node, const FloatBox& box) {
   unsigned all = 0;
-  for (int half = 0; half < kHalves; ++half) {
-    Mask meet = lanes(node, 0, half) <= box.plane[3];
-    for (int k = 1; k < 3; ++k) meet &= lanes(node, k, half) <= box.plane[3 + k];
-    for (int k = 0; k < 3; ++k) meet &= lanes(node, 3 + k, half) >= box.plane[k];
-    all |= bits(meet) << (kLanes * half);
+  for (int first = 0; first < kWidth; first += kLanes) {
+    Mask meet = lanes(node, 0, first) <= box.plane[3];
+    for (int k = 1; k < 3; ++k) meet &= lanes(node, k, first) <= box.plane[3 + k];
+    for (int k = 0; k < 3; ++k) meet &= lanes(node, 3 + k, first) >= box.plane[k];
+    all |= bits(meet) << first;
   }
   return all & ((1U << node.count) - 1U);
 }
 
-COLLISION_NODE_INLINE unsigned lanesThatMeet(const BoxNode& node, const FloatLine& line) {
+unsigned lanesThatMeet(const BoxNode& node, const FloatLine& line) {
   unsigned all = lanesThatMeet(node, line.box);
-  for (int half = 0; half < kHalves; ++half) {
+  for (int first = 0; first < kWidth; first += kLanes) {
     Floats enter = {}, leave = enter + 1.0F;
     for (int k = 0; k < 3; ++k) {
-      larger(enter, (lanes(node, line.near[k], half) - line.enter_at[k]) * line.inverse[k]);
-      smaller(leave, (lanes(node, line.far[k], half) - line.leave_at[k]) * line.inverse[k]);
+      larger(enter, (lanes(node, line.near[k], first) - line.enter_at[k]) * line.inverse[k]);
+      smaller(leave, (lanes(node, line.far[k], first) - line.leave_at[k]) * line.inverse[k]);
     }
     const Mask apart = enter > leave * (1.0F + FloatLine::kWider) + FloatLine::kLater;
-    all &= ~(bits(apart) << (kLanes * half));
+    all &= ~(bits(apart) << first);
   }
   return all;
 }
 
-/// Level by level. Branches that nobody can foresee are what a walk costs: so the first few children that
-/// meet are written whether there are so many or not.
+/// Level by level. Branches that nobody can foresee are what a walk costs: so the first few children are
+/// written whether so many meet or not.
 template <typename Question>
-COLLISION_NODE_INLINE void findAll(const BoxNode* nodes, std::int32_t root, const Question& question,
-                                   BoxWalk& walk) {
+void findAll(const BoxNode* nodes, std::int32_t root, const Question& question, BoxWalk& walk) {
   constexpr int kFew = 3;
+  constexpr unsigned kAny = 1U << (kWidth - 1);  // keeps the search for a bit from having none
   if (walk.room.empty()) walk.room.resize(64);
   std::size_t begin = 0, end = 1;
   walk.room[0] = root;
@@ -84,78 +76,34 @@ COLLISION_NODE_INLINE void findAll(const BoxNode* nodes, std::int32_t root, cons
     const std::size_t last = end;
     for (; begin < last; ++begin) {
       if (end + kWidth > walk.room.size()) walk.room.resize(2 * walk.room.size());
-      std::int32_t* out = walk.room.data() + end;
-      const BoxNode& node = nodes[walk.room[begin]];
+      std::int32_t* const out = walk.room.data();
+      const BoxNode& node = nodes[out[begin]];
       unsigned meet = lanesThatMeet(node, question);
-      end += static_cast<std::size_t>(__builtin_popcount(meet));
-      for (int i = 0; i < kFew; ++i, meet &= meet - 1)
-        out[i] = node.child[__builtin_ctz(meet | 1U << (kWidth - 1))];
-      for (out += kFew; __builtin_expect(meet != 0, 0); meet &= meet - 1)
-        *out++ = node.child[__builtin_ctz(meet)];
+      for (int i = 0; i < kFew; ++i, meet &= meet - 1U) {
+        out[end] = node.child[__builtin_ctz(meet | kAny)];
+        end += meet != 0 ? 1 : 0;
+      }
+      for (; __builtin_expect(meet != 0, 0); meet &= meet - 1U) out[end++] = node.child[__builtin_ctz(meet)];
     }
   }
   walk.begin = begin;
   walk.end = end;
 }
 
-// The compiler wants the versions outside of any class and overload.
-COLLISION_NODE_ANY_WIDTH void findByBox(const BoxNode* nodes, std::int32_t root, const FloatBox& box,
-                                        BoxWalk& walk) {
-  findAll(nodes, root, box, walk);
-}
+/// Half the surface.
+Floats areaOf(const Floats (&side)[3]) { return side[0] * side[1] + side[1] * side[2] + side[2] * side[0]; }
 
-COLLISION_NODE_ANY_WIDTH void findByLine(const BoxNode* nodes, std::int32_t root, const FloatLine& line,
-                                         BoxWalk& walk) {
-  findAll(nodes, root, line, walk);
-}
+float largest(const Floats& of) { return std::max(std::max(of[0], of[1]), std::max(of[2], of[3])); }
 
-COLLISION_NODE_INLINE void areas(const Floats (&side)[3], Floats& half) {
-  half = side[0] * side[1] + side[1] * side[2] + side[2] * side[0];
-}
+}  // namespace
 
-COLLISION_NODE_ANY_WIDTH int bestLane(const BoxNode& node, const FloatBox& box) {
-  /// Among lanes that grow about alike, the smallest.
-  constexpr float kShareOfArea = 0x1p-10F;
-  alignas(32) float cost[kWidth];
-  for (int half = 0; half < kHalves; ++half) {
-    Floats own[3], joint[3];
-    for (int k = 0; k < 3; ++k) {
-      Floats low = lanes(node, k, half), high = lanes(node, 3 + k, half);
-      own[k] = high - low;
-      smaller(low, Floats{} + box.plane[k]);
-      larger(high, Floats{} + box.plane[3 + k]);
-      joint[k] = high - low;
-    }
-    Floats before, after;
-    areas(own, before);
-    areas(joint, after);
-    const Floats all = (after - before) + kShareOfArea * after;
-    __builtin_memcpy(cost + kLanes * half, &all, sizeof all);
-  }
-  std::int32_t best = 0x7fffffff;
-  for (int lane = 0; lane < kWidth; ++lane) {
-    std::int32_t key;
-    __builtin_memcpy(&key, cost + lane, sizeof key);
-    key = (key & ~(kWidth - 1)) | lane;
-    key = lane < node.count ? key : 0x7fffffff;
-    best = key < best ? key : best;
-  }
-  return best & (kWidth - 1);
-}
-
-COLLISION_NODE_INLINE float largest(const Floats& of) {
-  const float a = std::max(of[0], of[4]), b = std::max(of[1], of[5]);
-  const float c = std::max(of[2], of[6]), d = std::max(of[3], of[7]);
-  return std::max(std::max(a, b), std::max(c, d));
-}
-
-COLLISION_NODE_ANY_WIDTH FloatBox boundsOfAll(const BoxNode& node) {
+FloatBox BoxNode::bounds() const {
   FloatBox box;
   for (int k = 0; k < 3; ++k) {
-    Floats low = lanes(node, k, 0), high = lanes(node, 3 + k, 0);
-    for (int half = 1; half < kHalves; ++half) {
-      smaller(low, lanes(node, k, half));
-      larger(high, lanes(node, 3 + k, half));
+    Floats low = lanes(*this, k, 0), high = lanes(*this, 3 + k, 0);
+    for (int first = kLanes; first < kWidth; first += kLanes) {
+      smaller(low, lanes(*this, k, first));
+      larger(high, lanes(*this, 3 + k, first));
     }
     box.plane[k] = -largest(-low);
     box.plane[3 + k] = largest(high);
@@ -163,18 +111,36 @@ COLLISION_NODE_ANY_WIDTH FloatBox boundsOfAll(const BoxNode& node) {
   return box;
 }
 
-}  // namespace
-
-FloatBox BoxNode::bounds() const { return boundsOfAll(*this); }
-
-int BoxNode::bestLaneFor(const FloatBox& box) const { return bestLane(*this, box); }
+int BoxNode::bestLaneFor(const FloatBox& box) const {
+  constexpr float kShareOfArea = 0x1p-10F;  // among lanes that grow about alike, the smallest
+  std::int32_t cost[kWidth];
+  for (int first = 0; first < kWidth; first += kLanes) {
+    Floats own[3], joint[3];
+    for (int k = 0; k < 3; ++k) {
+      Floats low = lanes(*this, k, first), high = lanes(*this, 3 + k, first);
+      own[k] = high - low;
+      smaller(low, Floats{} + box.plane[k]);
+      larger(high, Floats{} + box.plane[3 + k]);
+      joint[k] = high - low;
+    }
+    const Floats after = areaOf(joint), all = (after - areaOf(own)) + kShareOfArea * after;
+    __builtin_memcpy(cost + first, &all, sizeof all);
+  }
+  // None is below zero, so their bits have their order; the last ones give way to the lane's number.
+  std::int32_t best = std::numeric_limits<std::int32_t>::max();
+  for (int lane = 0; lane < kWidth; ++lane) {
+    const std::int32_t key = (cost[lane] & ~(kWidth - 1)) | lane;
+    best = lane < count && key < best ? key : best;
+  }
+  return best & (kWidth - 1);
+}
 
 void findItems(const BoxNode* nodes, std::int32_t root, const FloatBox& box, BoxWalk& walk) {
-  findByBox(nodes, root, box, walk);
+  findAll(nodes, root, box, walk);
 }
 
 void findItems(const BoxNode* nodes, std::int32_t root, const FloatLine& line, BoxWalk& walk) {
-  findByLine(nodes, root, line, walk);
+  findAll(nodes, root, line, walk);
 }
 
 }  // namespace collision_node::scene

@@ -1,5 +1,5 @@
 /// Who may meet whom, among many objects: each object has stays, boxes that it is proved to be in for a
-/// stretch of time, in a tree of all that move; those that stand for ever are in a hierarchy of their own.
+/// stretch of time, in a tree of all that move; those that stand for ever are in a tree of their own.
 ///
 /// Guarantee (docs/broad_phase.md): two objects that no call of move() has named to each other, since the
 /// epoch began or since mayMeet() said no, are apart in all the time that both have been told of. No stamp of

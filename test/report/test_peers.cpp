@@ -6,6 +6,8 @@
 
 #include "collision_node/report/made_meshes.h"
 #include "collision_node/report/methods/peers.h"
+#include "collision_node/report/peers_broad.h"
+#include "collision_node/report/random.h"
 
 namespace {
 
@@ -138,6 +140,52 @@ TEST(Peers, bear_no_offset_of_the_world) {
     query.piece.b.c[0] += Vec3(1e8, 0.0, 0.0);
   }
   check(set, makeFclAdvancement(set), 0.375, 3e-6, 0.0);
+}
+
+TEST(Peers, broad_phases_are_asked_for_all_boxes_that_meet) {
+  Random random(3);
+  std::vector<std::vector<geometry::Bounds>> steps(3);
+  for (std::vector<geometry::Bounds>& boxes : steps) {
+    for (int i = 0; i < 200; ++i) {
+      const Vec3 at = random.inBox(Vec3::Constant(-5.0), Vec3::Constant(5.0));
+      const Vec3 half = random.inBox(Vec3::Constant(0.1), Vec3::Constant(1.0));
+      boxes.push_back({at - half, at + half});
+    }
+  }
+  const std::unique_ptr<BroadPeer> fcl = makeFclBroadPhase(steps[0]), bullet = makeBulletBroadPhase(steps[0]);
+  for (const std::vector<geometry::Bounds>& boxes : steps) {
+    std::size_t meet = 0;
+    for (const geometry::Bounds& a : boxes)
+      for (const geometry::Bounds& b : boxes)
+        meet += &a < &b && (a.lower.array() <= b.upper.array()).all() &&
+                        (b.lower.array() <= a.upper.array()).all()
+                    ? 1
+                    : 0;
+    ASSERT_GT(meet, 100u);
+    if (fcl) {
+      EXPECT_EQ(fcl->pairs(boxes), meet);
+    }
+    if (bullet) {
+      EXPECT_GE(bullet->pairs(boxes), meet);
+    }
+  }
+}
+
+TEST(Peers, embree_sees_boxes_from_outside_and_inside) {
+  const std::unique_ptr<RayPeer> rays =
+      makeEmbreeBoxes({{Vec3(0, 0, 0), Vec3(1, 2, 3)}, {Vec3(5, 0, 0), Vec3(6, 1, 1)}});
+  if (!rays) GTEST_SKIP() << "Embree was not found when the tests were built";
+  for (int k = 0; k < 3; ++k) {
+    Vec3 before(0.5, 0.7, 0.3);
+    Vec3 behind = before;
+    before[k] = -1.0;
+    behind[k] = 4.0;
+    EXPECT_TRUE(rays->hits(before, behind));
+    EXPECT_TRUE(rays->hits(behind, before));
+    EXPECT_TRUE(rays->hits(Vec3(0.5, 0.7, 0.3), behind));
+  }
+  EXPECT_FALSE(rays->hits(Vec3(2, 0.5, 0.5), Vec3(4, 0.5, 0.5)));
+  EXPECT_FALSE(rays->hits(Vec3(-1, 2.5, 0.5), Vec3(9, 2.5, 0.5)));
 }
 
 }  // namespace

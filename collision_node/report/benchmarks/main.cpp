@@ -21,7 +21,11 @@ constexpr char kUsage[] =
     "  --data DIR   the published queries of the row \"linear\"; default: ../shared/data/ccd-queries beside "
     "the sources\n";
 
-constexpr char kLinear[] = "linear", kBody[] = "body", kBroad[] = "broad";
+constexpr char kLinear[] = "linear";
+constexpr struct {
+  const char* name;
+  std::vector<Line> (*lines)(bool only_ours);
+} kOthers[] = {{"body", bodyLines}, {"broad", broadLines}, {"engine", engineLines}};
 
 struct Options {
   std::vector<std::string> names;
@@ -49,7 +53,8 @@ bool parse(int argc, char** argv, Options& options) {
     }
   }
   for (const std::string& name : options.names) {
-    bool known = name == kLinear || name == kBody || name == kBroad;
+    bool known = name == kLinear;
+    for (const auto& other : kOthers) known = known || name == other.name;
     for (const Row& row : rows()) known = known || row.name == name;
     if (!known) return false;
   }
@@ -90,12 +95,9 @@ int main(int argc, char** argv) {
     if (more.empty()) std::fprintf(stderr, "linear: skipped, no queries in %s\n", options.data.c_str());
     lines.insert(lines.end(), more.begin(), more.end());
   }
-  if (wantsRun(kBody)) {
-    const std::vector<Line> more = bodyLines(options.only_ours);
-    lines.insert(lines.end(), more.begin(), more.end());
-  }
-  if (wantsRun(kBroad)) {
-    const std::vector<Line> more = broadLines(options.only_ours);
+  for (const auto& other : kOthers) {
+    if (!wantsRun(other.name)) continue;
+    const std::vector<Line> more = other.lines(options.only_ours);
     lines.insert(lines.end(), more.begin(), more.end());
   }
   if (!options.list) print(lines);

@@ -15,9 +15,13 @@ std::vector<Line> linearLines(const std::string& folder, bool only_ours);
 /// centroids' Morton keys.
 std::vector<Line> bodyLines(bool only_ours);
 
-/// The broad phase on moving boxes against the ten-line sort and sweep and Bullet's, how its cost grows, and
-/// a shot over standing obstacles against one ray.
+/// The broad phase on moving boxes against the ten-line sort and sweep, FCL's and Bullet's, how its cost
+/// grows, and a shot over standing obstacles against one ray.
 std::vector<Line> broadLines(bool only_ours);
+
+/// The whole engine: ten thousand movers against the broad phase alone, with its memory; and two threads
+/// against one, in wall time.
+std::vector<Line> engineLines(bool only_ours);
 
 /// Bytes that operator new has handed out and not taken back.
 std::size_t liveBytes();

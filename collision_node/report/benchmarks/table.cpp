@@ -52,16 +52,31 @@ Line lineOf(const Row& row, const RowOutcome& outcome) {
   return line;
 }
 
+Line lineOf(const std::string& row, double here, double there, const std::string& name, double reach,
+            const std::string& quality) {
+  Line line;
+  line.row = row;
+  line.ours = readable(here);
+  line.reference = readable(there);
+  line.reference_name = name;
+  line.ratio = there / here;
+  line.reach = reach;
+  line.quality = quality;
+  return line;
+}
+
 void print(const std::vector<Line>& lines) {
   std::printf(
       "| row | ours | reference | | ratio | reach | reached | hits | ours missed/false/late/undecided | "
       "reference's | worst difference |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const Line& line : lines) {
     const std::string ratio = line.ratio ? format("%.3g", *line.ratio) : "-";
-    const char* reached = !line.ratio ? "-" : *line.ratio >= line.reach ? "yes" : "no";
+    const bool is_judged = line.ratio && line.reach > 0.0;
+    const char* reached = !is_judged ? "-" : *line.ratio >= line.reach ? "yes" : "no";
+    const std::string reach = line.reach > 0.0 ? format("%.3g", line.reach) : "-";
     const std::string reference = line.ratio ? line.reference : "absent";
-    std::printf("| %s | %s | %s | %s | %s | %.3g | %s | %s |\n", line.row.c_str(), line.ours.c_str(),
-                reference.c_str(), line.reference_name.c_str(), ratio.c_str(), line.reach, reached,
+    std::printf("| %s | %s | %s | %s | %s | %s | %s | %s |\n", line.row.c_str(), line.ours.c_str(),
+                reference.c_str(), line.reference_name.c_str(), ratio.c_str(), reach.c_str(), reached,
                 line.quality.c_str());
   }
 }

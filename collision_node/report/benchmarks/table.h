@@ -15,11 +15,14 @@ struct Line {
   std::string row, ours, reference;
   std::string reference_name;
   std::optional<double> ratio;  ///< reference's cost over ours
-  double reach = 0.0;           ///< the ratio wanted
+  double reach = 0.0;           ///< the ratio wanted; 0: none is
   std::string quality;          ///< hits and faults of both sides
 };
 
 Line lineOf(const Row& row, const RowOutcome& outcome);
+/// Of times that were taken elsewhere [s].
+Line lineOf(const std::string& row, double here, double there, const std::string& name, double reach,
+            const std::string& quality);
 
 /// Seconds with a unit and three digits.
 std::string readable(double seconds);
