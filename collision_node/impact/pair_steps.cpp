@@ -53,7 +53,7 @@ Axis PairSteps::closestAt(const Instant& now, double loss) {
     sliding_->find(Cores(now, a_, b_));
     distance_ = sliding_->distance();
     axis = sliding_->axis(piece_.motion, now);
-  } else if (!staysOnRim(now, loss, &axis) && !staysOnEdge(now, loss, &axis)) {
+  } else if (!staysOnEdge(now, loss, &axis) && !staysOnRim(now, loss, &axis)) {
     closest_ = closestPoints(Cores(now, a_, b_), closest_, radius_, loss);
     distance_ = closest_.v.norm();
     axis = axisOf(piece_, now, closest_, radius_ > 0.0);
