@@ -73,7 +73,15 @@ void collectNode(const aiScene& scene, const aiNode& node, const NodeTransform& 
   for (unsigned i = 0; i < node.mNumChildren; ++i) collectNode(scene, *node.mChildren[i], to_root, out);
 }
 
-void checkReadable(const std::string& path) {
+std::string oneLine(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+void checkMeshFile(const std::string& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) throw LoadError(path + ": no such mesh file");
@@ -84,19 +92,11 @@ void checkReadable(const std::string& path) {
   if (file.peek() == std::ifstream::traits_type::eof()) throw LoadError(path + ": the mesh file is empty");
 }
 
-std::string oneLine(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  while (!text.empty() && text.back() == ' ') text.pop_back();
-  return text;
-}
-
-}  // namespace
-
 TriangleMesh loadMesh(const std::string& path, const Vec3& scale, SolidChoice solid) {
   if (!scale.allFinite() || (scale.array() == 0.0).any()) {
     throw LoadError(path + ": mesh scale must be three finite numbers, none of them 0");
   }
-  checkReadable(path);
+  checkMeshFile(path);
 
   Assimp::Importer importer;
   // Without the first a Z_UP file comes out turned; dropping the root's transform instead would drop the unit

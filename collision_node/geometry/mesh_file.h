@@ -18,4 +18,7 @@ struct LoadError : std::runtime_error {
 /// Throws LoadError: file absent, unreadable, no triangle, a coordinate that is not finite.
 TriangleMesh loadMesh(const std::string& path, const Vec3& scale, SolidChoice solid);
 
+/// Cheap. Throws LoadError when `path` is absent, no file, empty or not to be read.
+void checkMeshFile(const std::string& path);
+
 }  // namespace collision_node::geometry

@@ -62,8 +62,7 @@ Vec3 toVec3(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
 class Builder {
  public:
-  Builder(const std::string& source, const ResolveUri& resolve, SolidChoice solid)
-      : source_(source), resolve_(resolve), solid_(solid) {}
+  Builder(const std::string& source, const GetMesh& get_mesh) : source_(source), get_mesh_(get_mesh) {}
 
   UrdfModel build(const urdf::ModelInterface& parsed) {
     model_.name = parsed.getName();
@@ -222,10 +221,9 @@ class Builder {
     const auto key = std::make_tuple(uri, scale.x(), scale.y(), scale.z());
     auto found = meshes_.find(key);
     if (found == meshes_.end()) {
-      std::shared_ptr<TriangleMesh> mesh;
+      std::shared_ptr<const TriangleMesh> mesh;
       try {
-        mesh = std::make_shared<TriangleMesh>(loadMesh(resolve_(uri), scale, solid_));
-        mesh->report.source = uri;
+        mesh = get_mesh_(uri, scale);
       } catch (const LoadError& error) {
         fault(where, error.what());
       }
@@ -236,8 +234,7 @@ class Builder {
   }
 
   const std::string& source_;
-  const ResolveUri& resolve_;
-  SolidChoice solid_;
+  const GetMesh& get_mesh_;
   UrdfModel model_;
   std::vector<std::string> faults_;
   std::set<std::string> seen_;
@@ -263,8 +260,7 @@ void checkAllReached(const urdf::ModelInterface& parsed, const UrdfModel& model,
 
 }  // namespace
 
-UrdfModel parseUrdf(const std::string& xml, const std::string& source, const ResolveUri& resolve,
-                    SolidChoice solid) {
+UrdfModel parseUrdf(const std::string& xml, const std::string& source, const GetMesh& get_mesh) {
   urdf::ModelInterfaceSharedPtr parsed;
   std::vector<std::string> errors;
   {
@@ -280,7 +276,7 @@ UrdfModel parseUrdf(const std::string& xml, const std::string& source, const Res
     for (std::string& line : errors) line = source + ": " + line;
     throw LoadError(join(errors));
   }
-  UrdfModel model = Builder(source, resolve, solid).build(*parsed);
+  UrdfModel model = Builder(source, get_mesh).build(*parsed);
   checkAllReached(*parsed, model, source);
   return model;
 }

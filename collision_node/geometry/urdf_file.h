@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -37,11 +38,10 @@ struct UrdfModel {
   std::vector<std::string> warnings;        ///< e.g. links without a collision element
 };
 
-/// Turns a URI as the user wrote it (package://, file://, relative) into a plain path; throws LoadError.
-using ResolveUri = std::function<std::string(const std::string& uri)>;
+/// The mesh that a URI names, as the user wrote it (package://, file://, relative); throws LoadError.
+using GetMesh = std::function<std::shared_ptr<const TriangleMesh>(const std::string& uri, const Vec3& scale)>;
 
 /// Parses URDF text. `source` names it in errors. Throws LoadError with every fault found, one per line.
-UrdfModel parseUrdf(const std::string& xml, const std::string& source, const ResolveUri& resolve,
-                    SolidChoice solid = SolidChoice::kAuto);
+UrdfModel parseUrdf(const std::string& xml, const std::string& source, const GetMesh& get_mesh);
 
 }  // namespace collision_node::geometry

@@ -90,7 +90,8 @@ void CollisionNode::start(const Parameters& parameters, std::shared_ptr<const sc
       [this](int object, const motion::StampedPose& pose, messages::StampKind kind) {
         messages::handToEngine(*engine_, object, pose, kind);
       });
-  auto engine = std::make_unique<scene::Engine>(scene, parameters.method, sinks);
+  auto engine = std::make_unique<scene::Engine>(scene, parameters.method, sinks,
+                                                scene::EngineOptions{parameters.everything, 1});
   auto markers = std::make_unique<messages::Markers>(scene, parameters.markers);
 
   subscribers_.clear();

@@ -9,8 +9,14 @@ namespace collision_node::node {
 
 namespace {
 
-const std::vector<std::string> kKnown = {
-    "scene", "method", "override", "queue", "markers/min_size", "markers/lifetime", "markers/max_events"};
+const std::vector<std::string> kKnown = {"scene",
+                                         "method",
+                                         "plan",
+                                         "override",
+                                         "queue",
+                                         "markers/min_size",
+                                         "markers/lifetime",
+                                         "markers/max_events"};
 
 bool isPlainText(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
@@ -126,6 +132,10 @@ Parameters readParameters(const ros::NodeHandle& handle) {
       throw ParameterError(std::string("~method: ") + error.what());
     }
   }
+  std::string plan;
+  if (handle.hasParam("plan") && (!handle.getParam("plan", plan) || (plan != "full" && plan != "lean")))
+    throw ParameterError("~plan: must be lean (only what may matter is solved) or full (every pair, slowly)");
+  out.everything = plan == "full";
   readPositive(handle, "markers/min_size", out.markers.min_size, false);
   readPositive(handle, "markers/lifetime", out.markers.lifetime, true);
   readPositive(handle, "markers/max_events", out.markers.max_events, false);

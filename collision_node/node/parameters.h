@@ -23,6 +23,7 @@ struct Parameters {
   std::string scene;                                           ///< ~scene: the scene file; required
   scene::Overrides overrides;                                  ///< ~override/*: same key path as in the file
   impact::MethodName method = impact::MethodName::kCertified;  ///< ~method
+  bool everything = false;          ///< ~plan is "full": every pair on every piece, with the same events
   messages::MarkerOptions markers;  ///< ~markers/{min_size [m], lifetime [s], max_events}
   /// ~queue: messages that may wait for the engine, by topic: minutes of a fast stream. What does not fit is
   /// lost, and counted by its number.

@@ -42,7 +42,7 @@ struct Crowd {
 }  // namespace
 
 PairCounter::PairCounter(const Scene& scene) : scene_(scene), watches_rest_(scene.pairs.watchesRest()) {
-  for (const Object& object : scene.objects) weights_.push_back(linksWithBody(object).size());
+  for (const Object& object : scene.objects) weights_.push_back(linksWithShapes(object).size());
   for (const auto& [key, verdicts] : scene.pairs.exceptions()) {
     const auto [a, b] = key;
     const std::uint64_t rule = watches_rest_ && a != b ? weights_[a] * weights_[b] : 0;

@@ -43,7 +43,8 @@ class ObjectReader {
     std::vector<Object> parts = readSource(reader_, std::move(object_));
     warnOfBounds(parts.back());  // of several, it hangs on the others
     for (Object& part : parts)
-      for (Link& link : part.links) buildBody(link);
+      for (Link& link : part.links)
+        if (context_.is_watched) buildBody(link);
     reader_.done();
     return parts;
   }
@@ -154,15 +155,27 @@ class ObjectReader {
     }
     if (!file || !shape.good()) return {};
     try {
-      auto mesh = std::make_shared<geometry::TriangleMesh>(
-          geometry::loadMesh(resolveUri(*file, context_.folder, context_.resources), scale, solid));
-      mesh->report.source = *file;
+      const auto mesh = getMesh(*file, context_.folder, scale, solid);
       if (is_convex) return PlacedShape{geometry::Convex{mesh}, {}, *file};
       return PlacedShape{geometry::Mesh{mesh}, {}, *file};
     } catch (const LoadError& error) {
       addLines(shape, "file", error.what());
       return {};
     }
+  }
+
+  /// Empty where nothing watches the object; the file must be there all the same.
+  std::shared_ptr<const geometry::TriangleMesh> getMesh(const std::string& uri, const std::string& folder,
+                                                        const Vec3& scale, SolidChoice solid) const {
+    const std::string path = resolveUri(uri, folder, context_.resources);
+    auto mesh = std::make_shared<geometry::TriangleMesh>();
+    if (context_.is_watched) {
+      *mesh = geometry::loadMesh(path, scale, solid);
+    } else {
+      geometry::checkMeshFile(path);
+    }
+    mesh->report.source = uri;
+    return mesh;
   }
 
   // ---- URDF
@@ -212,10 +225,12 @@ class ObjectReader {
 
   void addUrdf(MapReader& reader, const std::string& key, const std::string& xml, const std::string& source,
                const std::string& folder) {
-    const auto resolve = [&](const std::string& uri) { return resolveUri(uri, folder, context_.resources); };
+    const auto get_mesh = [&](const std::string& uri, const Vec3& scale) {
+      return getMesh(uri, folder, scale, SolidChoice::kAuto);
+    };
     geometry::UrdfModel model;
     try {
-      model = geometry::parseUrdf(xml, source, resolve);
+      model = geometry::parseUrdf(xml, source, get_mesh);
     } catch (const LoadError& error) {
       addLines(reader, key, error.what());
       return;

@@ -1,4 +1,4 @@
-/// One entry of `objects:` in a scene file, checked and with its geometry loaded.
+/// One entry of `objects:` in a scene file, checked and with its geometry loaded where it is watched.
 #pragma once
 
 #include <string>
@@ -12,6 +12,7 @@ namespace collision_node::scene {
 struct ObjectContext {
   std::string folder;          ///< of the scene file: relative paths start here
   const Resources& resources;  ///< packages and parameters
+  bool is_watched = true;      ///< else meshes are not read, and no bodies are built
 };
 
 /// Reads `node` as the object `name`: one Object, or one for each part that moves by itself. Adds every fault

@@ -1,6 +1,7 @@
 #include "collision_node/scene/pair_reader.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -22,7 +23,7 @@ struct NamePair {
   std::string place;  ///< for messages
 };
 
-/// One link that has a body.
+/// One link that has shapes.
 struct Candidate {
   int object, link;
   std::string object_name, link_name;  ///< parts of one object share its name
@@ -198,8 +199,8 @@ class PairReader {
 
   void decide(int object_a, int object_b) {
     std::vector<PairVerdict> verdicts;
-    const std::vector<int> links_a = linksWithBody(scene_.objects[object_a]);
-    const std::vector<int> links_b = linksWithBody(scene_.objects[object_b]);
+    const std::vector<int> links_a = linksWithShapes(scene_.objects[object_a]);
+    const std::vector<int> links_b = linksWithShapes(scene_.objects[object_b]);
     for (std::size_t i = 0; i < links_a.size(); ++i) {
       for (std::size_t k = object_a == object_b ? i + 1 : 0; k < links_b.size(); ++k) {
         const Candidate a = candidate(object_a, links_a[i]), b = candidate(object_b, links_b[k]);
@@ -224,5 +225,38 @@ class PairReader {
 }  // namespace
 
 void readPairs(const YamlNode* node, Scene& scene, Faults& faults) { PairReader(node, scene, faults).read(); }
+
+std::set<std::string> watchedObjects(const YamlNode* node, const std::vector<std::string>& names) {
+  const YamlNode nothing;
+  if (node == nullptr) node = &nothing;
+  // Calls with both names of each entry that is well formed: readPairs() complains of the others.
+  const auto forEach = [](const YamlNode* list, const auto& call) {
+    if (list == nullptr) return;
+    for (const YamlNode& item : list->items)
+      if (item.items.size() == 2) call(item.items[0].text, item.items[1].text);
+  };
+  std::set<std::string> watched;
+  if (const YamlNode* only = node->find("only")) {
+    forEach(only, [&](const std::string& a, const std::string& b) {
+      for (const std::string& name : {a, b}) watched.insert(name.substr(0, name.find('/')));
+    });
+    return watched;
+  }
+  std::map<std::string, std::set<std::string>> ignored;
+  const std::set<std::string> known(names.begin(), names.end());
+  forEach(node->find("ignore"), [&](const std::string& a, const std::string& b) {
+    if (known.count(a) == 0 || known.count(b) == 0) return;  // a link of one, or unknown
+    ignored[a].insert(b);
+    ignored[b].insert(a);
+  });
+  const YamlNode* self = node->find("self");
+  const bool has_self = self != nullptr && self->text != "false";
+  for (const std::string& name : names) {
+    const std::set<std::string>& others = ignored[name];
+    const std::size_t needed = names.size() - (has_self || others.count(name) != 0 ? 0 : 1);
+    if (others.empty() || others.size() < needed) watched.insert(name);
+  }
+  return watched;
+}
 
 }  // namespace collision_node::scene

@@ -6,10 +6,10 @@
 
 namespace collision_node::scene {
 
-std::vector<int> linksWithBody(const Object& object) {
+std::vector<int> linksWithShapes(const Object& object) {
   std::vector<int> links;
   for (std::size_t i = 0; i < object.links.size(); ++i)
-    if (object.links[i].body) links.push_back(static_cast<int>(i));
+    if (!object.links[i].shapes.empty()) links.push_back(static_cast<int>(i));
   std::sort(links.begin(), links.end(),
             [&](int l, int r) { return object.links[l].name < object.links[r].name; });
   return links;
@@ -17,9 +17,9 @@ std::vector<int> linksWithBody(const Object& object) {
 
 namespace {
 
-std::uint64_t bodiesOf(const Object& object) {
+std::uint64_t linkCount(const Object& object) {
   return static_cast<std::uint64_t>(std::count_if(object.links.begin(), object.links.end(),
-                                                  [](const Link& link) { return link.body != nullptr; }));
+                                                  [](const Link& link) { return !link.shapes.empty(); }));
 }
 
 }  // namespace
@@ -34,13 +34,13 @@ std::vector<LinkPair> PairRules::between(const std::vector<Object>& objects, int
   if (exception != set_.end()) {
     for (const PairVerdict& verdict : exception->second) {
       const LinkPair& pair = verdict.pair;
-      const bool have_bodies =
-          objects[pair.object_a].links[pair.link_a].body && objects[pair.object_b].links[pair.link_b].body;
-      if (verdict.against.empty() && have_bodies) pairs.push_back(pair);
+      const bool have_shapes = !objects[pair.object_a].links[pair.link_a].shapes.empty() &&
+                               !objects[pair.object_b].links[pair.link_b].shapes.empty();
+      if (verdict.against.empty() && have_shapes) pairs.push_back(pair);
     }
   } else if (a != b && watchesRest()) {
-    for (const int link_a : linksWithBody(objects[a]))
-      for (const int link_b : linksWithBody(objects[b]))
+    for (const int link_a : linksWithShapes(objects[a]))
+      for (const int link_b : linksWithShapes(objects[b]))
         pairs.push_back({a, link_a, b, link_b, contact_distance_});
   }
   return pairs;
@@ -48,7 +48,7 @@ std::vector<LinkPair> PairRules::between(const std::vector<Object>& objects, int
 
 std::uint64_t PairRules::countBetween(const std::vector<Object>& objects, int a, int b) const {
   if (set_.count({a, b}) != 0) return between(objects, a, b).size();
-  return a != b && watchesRest() ? bodiesOf(objects[a]) * bodiesOf(objects[b]) : 0;
+  return a != b && watchesRest() ? linkCount(objects[a]) * linkCount(objects[b]) : 0;
 }
 
 std::uint64_t PairRules::count(const std::vector<Object>& objects) const {
@@ -56,13 +56,13 @@ std::uint64_t PairRules::count(const std::vector<Object>& objects) const {
   if (watchesRest()) {
     std::uint64_t before = 0;
     for (const Object& object : objects) {
-      count += before * bodiesOf(object);
-      before += bodiesOf(object);
+      count += before * linkCount(object);
+      before += linkCount(object);
     }
   }
   for (const auto& [key, verdicts] : set_) {
     if (watchesRest() && key.first != key.second)
-      count -= bodiesOf(objects[key.first]) * bodiesOf(objects[key.second]);
+      count -= linkCount(objects[key.first]) * linkCount(objects[key.second]);
     count += between(objects, key.first, key.second).size();
   }
   return count;

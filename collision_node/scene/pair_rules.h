@@ -28,10 +28,10 @@ struct PairVerdict {
 };
 
 /// One rule for all pairs of links of two objects with different indices, and the pairs of objects that
-/// differ from it. Objects are in byte order of their names; only links with a body make pairs.
+/// differ from it. Objects are in byte order of their names; only links with shapes make pairs.
 class PairRules {
  public:
-  /// Every link with a body against those of every other object, at `contact_distance`.
+  /// Every link with shapes against those of every other object, at `contact_distance`.
   explicit PairRules(double contact_distance = 0.0) : contact_distance_(contact_distance) {}
   /// Nothing but these.
   PairRules(std::initializer_list<LinkPair> watched);
@@ -63,6 +63,6 @@ class PairRules {
 };
 
 /// Links of an object that can touch something, in byte order of their names.
-std::vector<int> linksWithBody(const Object& object);
+std::vector<int> linksWithShapes(const Object& object);
 
 }  // namespace collision_node::scene

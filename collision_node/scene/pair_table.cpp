@@ -31,7 +31,7 @@ std::vector<std::vector<PairRank>> rankLinks(const std::vector<Object>& objects)
     std::size_t end = first;
     for (; end < objects.size() && objects[end].name == objects[first].name; ++end) {
       ranks.emplace_back(objects[end].links.size(), 0);
-      for (const int link : linksWithBody(objects[end]))
+      for (const int link : linksWithShapes(objects[end]))
         links.emplace_back(objects[end].links[link].name, &ranks.back()[link]);
     }
     std::sort(links.begin(), links.end());

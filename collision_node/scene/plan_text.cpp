@@ -206,7 +206,10 @@ class Plan {
       const ShapeWords words = wordsFor(shape);
       out_ << "      shape " << i << ": " << words.kind << (words.size.empty() ? "" : " " + words.size)
            << ", " << formatPose(shape.origin) << "\n";
-      if (const geo::TriangleMesh* mesh = meshOf(shape.shape)) {
+      const geo::TriangleMesh* mesh = meshOf(shape.shape);
+      if (mesh != nullptr && !link.body) {
+        out_ << "        not read: the object is in no watched pair\n";
+      } else if (mesh != nullptr) {
         out_ << "        " << meshLine(*mesh, std::holds_alternative<geo::Convex>(shape.shape)) << "\n";
       }
     }
@@ -280,7 +283,7 @@ class Plan {
   void writeUnwatched() {
     std::uint64_t links = 0, all = 0;
     for (const Object& object : scene_.objects) {
-      const std::uint64_t own = linksWithBody(object).size();
+      const std::uint64_t own = linksWithShapes(object).size();
       all += links * own + own * (own - (own > 0 ? 1 : 0)) / 2;
       links += own;
     }
@@ -310,13 +313,16 @@ class Plan {
 
   void writeLeftOut() {
     bool mesh = false, zone = false, topic = false, tf = false;
+    std::set<std::string> unwatched;
     const bool has_pairs = scene_.pairs.count(scene_.objects) > 0;
     for (const Object& object : scene_.objects) {
       zone = zone || !object.zones.empty();
       topic = topic || !object.source.topic.empty();
       tf = tf || object.source.type == PoseSource::Type::kTf;
       for (const Link& link : object.links) {
-        for (const geo::PlacedShape& shape : link.shapes) mesh = mesh || meshOf(shape.shape) != nullptr;
+        if (!link.shapes.empty() && !link.body) unwatched.insert(object.name);
+        for (const geo::PlacedShape& shape : link.shapes)
+          mesh = mesh || (link.body && meshOf(shape.shape) != nullptr);
       }
     }
     out_ << "\nnot needed:\n";
@@ -324,7 +330,10 @@ class Plan {
     if (!tf) out_ << "  no object is driven through tf: no transforms are read\n";
     if (!topic) out_ << "  no object has a pose topic: none is subscribed\n";
     if (!zone) out_ << "  no zone: events name links only\n";
-    if (mesh && tf && topic && zone && has_pairs) out_ << "  nothing: all parts are used\n";
+    for (const std::string& name : unwatched)
+      out_ << "  " << name << ": in no watched pair: no mesh of it is read, no hierarchy is built\n";
+    if (mesh && tf && topic && zone && has_pairs && unwatched.empty())
+      out_ << "  nothing: all parts are used\n";
     if (!has_pairs) out_ << "  no pair: nothing is solved\n";
   }
 

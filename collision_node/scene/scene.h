@@ -54,13 +54,14 @@ struct Zone {
 };
 
 struct Link {
-  std::string name;                            ///< URDF link name, or the object's name for a single shape
-  Pose T_o_l;                                  ///< object <- link
-  std::string parent;                          ///< URDF parent link
-  geometry::UrdfJoint joint;                   ///< to the parent
-  Pose T_parent_l;                             ///< parent <- link with that joint at 0
-  std::vector<geometry::PlacedShape> shapes;   ///< in the link's frame, URDF order
-  std::shared_ptr<const geometry::Body> body;  ///< in the object's frame; null when the link has no shape
+  std::string name;                           ///< URDF link name, or the object's name for a single shape
+  Pose T_o_l;                                 ///< object <- link
+  std::string parent;                         ///< URDF parent link
+  geometry::UrdfJoint joint;                  ///< to the parent
+  Pose T_parent_l;                            ///< parent <- link with that joint at 0
+  std::vector<geometry::PlacedShape> shapes;  ///< in the link's frame, URDF order
+  /// In the object's frame; null when the link has no shape, or its object is in no watched pair.
+  std::shared_ptr<const geometry::Body> body;
 };
 
 /// What moves as one. An object whose links move by themselves is several of these, with one name; the first

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "collision_node/scene/map_reader.h"
 #include "collision_node/scene/object_reader.h"
@@ -35,7 +36,7 @@ void readStats(MapReader reader, Scene& scene) {
   reader.done();
 }
 
-void readObjects(MapReader& top, const ObjectContext& context, Scene& scene, Faults& faults) {
+void readObjects(MapReader& top, ObjectContext context, Scene& scene, Faults& faults) {
   if (!top.has("objects")) {
     top.fault("", "no objects; write objects: with one entry per object");
     return;
@@ -43,7 +44,11 @@ void readObjects(MapReader& top, const ObjectContext& context, Scene& scene, Fau
   MapReader reader = top.map("objects");
   if (!reader.good()) return;
   if (reader.entries().empty()) reader.fault("", "an empty scene; name at least one object");
+  std::vector<std::string> names;
+  for (const auto& entry : reader.entries()) names.push_back(entry.first);
+  const std::set<std::string> watched = watchedObjects(top.find("pairs"), names);
   for (const auto& [name, node] : reader.entries()) {
+    context.is_watched = watched.count(name) != 0;
     if (name.find('/') != std::string::npos) {
       reader.fault(name, "an object's name must not hold '/': it separates object and link");
       continue;

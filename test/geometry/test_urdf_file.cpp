@@ -33,10 +33,13 @@ class UrdfFile : public ::testing::Test {
   UrdfFile() { folder_.write("m.obj", test_support::boxObj(1, 2, 3)); }
 
   UrdfModel parse(const std::string& xml) {
-    return parseUrdf(xml, "arm.urdf", [&](const std::string& uri) {
+    return parseUrdf(xml, "arm.urdf", [&](const std::string& uri, const Vec3& scale) {
       asked_.push_back(uri);
       if (uri.find("://") != std::string::npos) throw LoadError(uri + ": nobody knows this place");
-      return folder_.path() + "/" + uri;
+      auto mesh =
+          std::make_shared<TriangleMesh>(loadMesh(folder_.path() + "/" + uri, scale, SolidChoice::kAuto));
+      mesh->report.source = uri;
+      return mesh;
     });
   }
   std::string refusal(const std::string& xml) {

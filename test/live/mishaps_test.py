@@ -211,6 +211,11 @@ def main():
         wait(children, 'poses without the old master', lambda: live.count() >= before + len(messages))
 
         live.master.setParam('/collision_node/scene', str(scene))
+        refused = subprocess.run([node, '__name:=refused', '_scene:=' + str(scene), '_plan:=nothing'], env=environment,
+                                 capture_output=True, text=True, timeout=60)
+        if refused.returncode == 0 or '~plan: must be lean' not in refused.stdout + refused.stderr:
+            sys.exit('~plan: nothing was not refused: %s' % refused)
+        live.master.setParam('/collision_node/plan', 'full')  # every pair on every piece: the same events
         children.stop(live.process)
         live.numbers = {}
         for endpoint in (live.listener, live.watcher, *live.publishers.values()):

@@ -1,18 +1,23 @@
 /// Recordings with everything that makes windows hard: objects that pass through each other, streams of
 /// different rates that are late, shuffled, broken off and in a loop, objects that spoke once, tf chains,
-/// guessed stamps.
+/// guessed stamps, tracks sent ahead, joints, and bounds of accelerations.
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
+#include <nav_msgs/Path.h>
 #include <rosbag/bag.h>
+#include <sensor_msgs/JointState.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <random>
 #include <string>
 #include <vector>
+
+#include "test/support/gazebo_states.h"
 
 namespace collision_node::test {
 
@@ -22,6 +27,7 @@ objects:
   ball:
     sphere: {radius: 0.4}
     pose: {topic: ball/pose}
+    acceleration: 2
   block:
     box: {size: [1, 1, 1]}
     pose: {topic: block/pose}
@@ -33,6 +39,16 @@ objects:
     box: {size: [2, 2, 0.5]}
     pose: {topic: stone/pose}
     on_timeout: freeze
+  puck:
+    sphere: {radius: 0.3}
+    pose: {topic: gazebo/model_states, model: puck}
+  lark:
+    sphere: {radius: 0.2}
+    pose: {topic: lark/path}
+  crane:
+    urdf: crane.urdf
+    pose: {fixed: {position: [0, -1, 0]}}
+    joints: {topic: crane/joints}
   floor:
     box: {size: [30, 30, 1]}
     pose: {fixed: {position: [0, 0, -2]}}
@@ -41,6 +57,13 @@ objects:
     pose: {fixed: {position: [3, 0, 0]}}
 time: {reorder: 0.05, max_gap: 0.15, timeout: 0.4, jump: 0.3}
 )";
+
+/// An arm of 3 m that turns about z.
+inline const char* const kCraneUrdf = R"(<robot name="crane">
+  <link name="foot"><collision><geometry><box size="0.3 0.3 0.3"/></geometry></collision></link>
+  <link name="arm"><collision><origin xyz="1.5 0 0"/><geometry><box size="3 0.2 0.2"/></geometry></collision></link>
+  <joint name="turn" type="continuous"><parent link="foot"/><child link="arm"/><origin xyz="0 0 0.3"/><axis xyz="0 0 1"/></joint>
+</robot>)";
 
 class RandomRecording {
  public:
@@ -56,6 +79,9 @@ class RandomRecording {
     stream("block", 0.031, kSeconds);
     stream("ball", 0.0173, kSeconds);
     stream("dart", 0.025, kSeconds);
+    stream("puck", 0.04, kSeconds);
+    stream("crane", 0.05, kSeconds);
+    for (double t = 0.0; t < kSeconds; t += kChunk) path(t);
     if (traits.stone_once) {
       pose("stone", 0.01, 0.01, {2.0, 0.0, 0.0});
     } else {
@@ -69,13 +95,7 @@ class RandomRecording {
     rosbag::Bag bag(file, rosbag::bagmode::Write);
     bag.setCompression(rosbag::compression::LZ4);
     bag.setChunkThreshold(4000);
-    for (const Message& m : messages_) {
-      if (m.is_tf) {
-        bag.write(m.topic, m.received, m.tf);
-      } else {
-        bag.write(m.topic, m.received, m.pose);
-      }
-    }
+    for (const Message& m : messages_) m.write(bag, m.received);
   }
 
   /// Receive times, in order, after the first one [ns].
@@ -89,11 +109,9 @@ class RandomRecording {
  private:
   struct Message {
     ros::Time received;
-    std::string topic;
-    bool is_tf = false;
-    geometry_msgs::PoseStamped pose;
-    tf2_msgs::TFMessage tf;
+    std::function<void(rosbag::Bag&, const ros::Time&)> write;
   };
+  static constexpr double kChunk = 0.5;  ///< of a track that is sent ahead; loops begin between two [s]
   struct Point {
     double x, y, z;
   };
@@ -126,7 +144,11 @@ class RandomRecording {
       const Point at{size[0] * std::sin(turn[0] * t), size[1] * std::sin(turn[1] * t),
                      size[2] * std::sin(turn[2] * t)};
       const double stamp = chance(0.005) ? stampOf(t) - 0.2 : stampOf(t);
-      if (name == "dart") {
+      if (name == "puck") {
+        states(t + delay, at);
+      } else if (name == "crane") {
+        joint(t + delay, stamp, at.x);
+      } else if (name == "dart") {
         tf("/tf", t + delay, stamp, "world", "cart", at.x);
         tf("/tf", t + delay + 0.001, stampOf(t + 0.001), "cart", "dart", at.y);
       } else {
@@ -135,33 +157,70 @@ class RandomRecording {
     }
   }
 
+  template <typename M>
+  void add(double received, const std::string& topic, const M& message) {
+    messages_.push_back({time(received), [topic, message](rosbag::Bag& bag, const ros::Time& at) {
+                           bag.write(topic, at, message);
+                         }});
+  }
+
+  static geometry_msgs::Pose poseAt(const Point& at) {
+    geometry_msgs::Pose pose;
+    pose.position.x = at.x;
+    pose.position.y = at.y;
+    pose.position.z = at.z;
+    pose.orientation.w = 1.0;
+    return pose;
+  }
+
+  static geometry_msgs::PoseStamped stamped(double stamp, const Point& at) {
+    geometry_msgs::PoseStamped m;
+    m.header.stamp = time(stamp);
+    m.header.frame_id = "world";
+    m.pose = poseAt(at);
+    return m;
+  }
+
   void pose(const std::string& name, double received, double stamp, const Point& at) {
-    Message m;
-    m.received = time(received);
-    m.topic = "/" + name + "/pose";
-    m.pose.header.stamp = time(stamp);
-    m.pose.header.frame_id = "world";
-    m.pose.pose.position.x = at.x;
-    m.pose.pose.position.y = at.y;
-    m.pose.pose.position.z = at.z;
-    m.pose.pose.orientation.w = 1.0;
-    messages_.push_back(m);
+    add(received, "/" + name + "/pose", stamped(stamp, at));
+  }
+
+  void states(double received, const Point& at) {
+    test_support::ModelStates m;
+    m.name = {"ground", "puck"};
+    m.pose = {poseAt({0.0, 0.0, 0.0}), poseAt(at)};
+    m.twist.resize(2);
+    add(received, "/gazebo/model_states", m);
+  }
+
+  void joint(double received, double stamp, double position) {
+    sensor_msgs::JointState m;
+    m.header.stamp = time(stamp);
+    m.name = {"turn"};
+    m.position = {position};
+    add(received, "/crane/joints", m);
+  }
+
+  void path(double begins) {
+    nav_msgs::Path m;
+    m.header.frame_id = "world";
+    for (double t = 0.0; t < 0.99 * kChunk; t += 0.1 * kChunk)
+      m.poses.push_back(
+          stamped(stampOf(begins) + t, {3.0 * std::sin(begins + t), 0.3 * std::cos(begins + t), 0.1}));
+    add(begins + between(0.0, 0.02), "/lark/path", m);
   }
 
   void tf(const std::string& topic, double received, double stamp, const std::string& parent,
           const std::string& child, double x) {
-    Message m;
-    m.received = time(received);
-    m.topic = topic;
-    m.is_tf = true;
-    m.tf.transforms.resize(1);
-    auto& t = m.tf.transforms[0];
+    tf2_msgs::TFMessage m;
+    m.transforms.resize(1);
+    auto& t = m.transforms[0];
     t.header.stamp = time(stamp);
     t.header.frame_id = parent;
     t.child_frame_id = child;
     t.transform.translation.x = x;
     t.transform.rotation.w = 1.0;
-    messages_.push_back(m);
+    add(received, topic, m);
   }
 
   std::mt19937 random_;

@@ -87,6 +87,28 @@ TEST_F(Process, anInterruptEndsTheWindowThereAndAnotherRunGoesOn) {
   }
 }
 
+/// The second one comes while the end of the window is still being decided: `reorder` is as long as the bag.
+TEST_F(Process, aSecondInterruptGivesUp) {
+  const std::string bag = path("in.bag"), out = path("out.jsonl");
+  writeSwing(bag, 300'000);
+  std::string slow = kScene;
+  slow.replace(slow.find("reorder: 0.1, max_gap: 0.3, timeout: 0.5"), 40,
+               "reorder: 400, max_gap: 0.3, timeout: 500");
+  scene_ = folder_.write("slow.yaml", slow);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const pid_t child = start({scene_, bag, "--jsonl", out});
+    while (!std::filesystem::exists(out + ".part")) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    kill(child, signal);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // two at once would count as one
+    kill(child, signal);
+    EXPECT_EQ(end(child), 130) << bytesOf(path("err"));
+    EXPECT_EQ(bytesOf(path("err")).find("--from "), std::string::npos) << bytesOf(path("err"));
+    EXPECT_FALSE(std::filesystem::exists(out));
+    EXPECT_FALSE(std::filesystem::exists(out + ".part"));
+  }
+}
+
 /// rosbag's own index takes some 90 bytes of memory a message: 13 MB here.
 TEST_F(Process, fourTimesTheRecordingTakesNoMoreMemory) {
   long peak[2] = {0, 0};

@@ -51,6 +51,7 @@ class Windows : public testing::Test {
     const RandomRecording recording(seed, traits);
     received_ = recording.received();
     scene_ = folder_.write("scene.yaml", kRandomScene);
+    folder_.write("crane.urdf", kCraneUrdf);
     bag_ = path("in.bag");
     recording.write(bag_);
     whole_ = replayed({scene_, bag_, "--jsonl", "-"}).out;

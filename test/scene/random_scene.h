@@ -37,7 +37,7 @@ class Dice {
 class RandomScene {
  public:
   RandomScene(unsigned seed, int objects)
-      : dice_(seed), side_(4.0 * std::cbrt(objects)), origin_(Vec3::Zero()) {
+      : dice_(seed), side_(dice_.anySize(3.0, 40.0) * std::cbrt(objects)), origin_(Vec3::Zero()) {
     // Where a rounding is as large as an object, too.
     if (dice_.chance(0.3)) origin_ = dice_.vector(dice_.anySize(10.0, 1e9));
     std::vector<Object> all;

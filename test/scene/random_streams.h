@@ -81,7 +81,13 @@ class RandomStreams {
     // Fast ones also fly far out of the cube: shots.
     const double speed = dice_.chance(0.2) ? 400.0 : dice_.chance(0.1) ? 2000.0 : 4.0;
     const double limit = speed > 1000.0 ? 100.0 : 0.5 * random_.side();
-    const double spin = dice_.chance(0.2) ? dice_.anySize(1.0, 1e5) : 0.3;  // [rad/s]
+    // Of some, each pose shows nearly no turn, and the twist says many whole ones.
+    const bool hides_turns = dice_.chance(0.1);
+    const double whole_turns = 2e3 * M_PI / period * (1 + dice_.below(50));  // [rad/s]
+    const double turn = hides_turns         ? dice_.anySize(1e-12, 0.1)
+                        : dice_.chance(0.2) ? dice_.anySize(1.0, 1e5)
+                                            : 0.3;
+    const double spin = turn + (hides_turns ? whole_turns : 0.0);  // [rad/s]
     const bool often_rests = dice_.chance(0.3), guesses_stamps = dice_.chance(0.1);
     const bool has_twist = dice_.chance(what.motion == MotionModel::kSlerp ? 0.1 : 0.9);
     bool begins_again = dice_.chance(0.5 / static_cast<double>(random_.scene->objects.size()));
@@ -111,7 +117,7 @@ class RandomStreams {
       if (dice_.chance(0.02)) velocity = dice_.vector(speed);
       const double step = dice_.chance(0.02) ? 0.01 * period : period;
       if (!often_rests || dice_.chance(0.3)) place += velocity * (1e-3 * step);
-      angle += spin * 1e-3 * step;
+      angle += turn * 1e-3 * step;
       for (int k = 0; k < 3; ++k)
         if (std::abs(place[k]) > limit) velocity[k] = -std::copysign(velocity[k], place[k]);
       stamp += static_cast<Nanoseconds>(1e6 * step);

@@ -256,5 +256,30 @@ TEST(EngineRest, APairThatIsWokenIsApartAndOneThatBeginsIsNew) {
   EXPECT_EQ(phases[0], Phase::kNew);
 }
 
+/// A shot flies in from afar, says nothing more after 1 s, and is frozen at 0; others come by, before that is
+/// known and after.
+TEST(EngineRest, AShotThatIsFrozenWhereItsLastSegmentEndedIsMetThereFromItsLastStampOn) {
+  std::vector<Object> objects = {movingSphere("shot"), movingSphere("x clock"), movingSphere("y first"),
+                                 movingSphere("z second")};
+  objects[0].on_timeout = OnTimeout::kFreeze;
+  for (int i = 0; i < 60; ++i) objects.push_back(fixedSphere("zz" + std::to_string(100 + i), 1e4 + 9.0 * i));
+  for (const bool everything : {false, true}) {
+    Rig rig(sceneOf(objects), kCertified, {everything, 1});
+    for (Nanoseconds t = 0; t <= 5000; t += 20) {
+      const double s = 1e-3 * static_cast<double>(t);
+      if (t <= 1000) rig.engine.addPose(0, poseAt(t, 2000.0 * (s - 1.0)));
+      rig.engine.addPose(1, poseAt(t, 5000.0));
+      rig.engine.addPose(2, poseAt(t, -100.0 * (s - 1.505)));  // at 0 at 1.5 s; the shot is frozen at 2.6 s
+      rig.engine.addPose(3, poseAt(t, -200.0 * (s - 4.0)));  // at 0 at 4 s
+    }
+    rig.engine.flush();
+    std::vector<std::string> met;
+    for (const Event& e : rig.events)
+      if (e.a.object == "shot" && e.kind == impact::Kind::kImpact)
+        met.push_back(e.b.object + " " + toString(e.reason) + " " + std::to_string(e.stamp_ns / (10 * kMs)));
+    EXPECT_EQ(met, (std::vector<std::string>{"y first TIMEOUT 149", "z second TIMEOUT 399"})) << everything;
+  }
+}
+
 }  // namespace
 }  // namespace collision_node::scene

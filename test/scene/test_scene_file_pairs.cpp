@@ -1,3 +1,5 @@
+#include <random>
+
 #include "test/support/scene_texts.h"
 
 namespace collision_node::scene {
@@ -125,6 +127,60 @@ TEST_F(ScenePairs, FaultsNameWhatIsKnown) {
              "pairs/distances[0]/contact_distance: -2 is out of range");
   EXPECT_HAS(fault("{ignored: []}"), "pairs/ignored: unknown key 'ignored'; nearest known: 'ignore'");
   EXPECT_HAS(fault("[]"), "pairs: a list is not a map");
+}
+
+TEST_F(ScenePairs, OfAnObjectInNoPairNothingIsReadOrBuilt) {
+  folder_.write("broken.obj", "this is no mesh");
+  const std::string objects = R"(
+objects:
+  ball: {sphere: {radius: 1}, pose: {topic: ball/pose}}
+  stone: {mesh: {file: box.obj}, pose: {fixed: {}}}
+  house: {mesh: {file: broken.obj}, pose: {fixed: {}}}
+)";
+  EXPECT_HAS(refusal(objects), "broken.obj: not a mesh that can be read");
+  for (const char* pairs :
+       {"pairs: {only: [[ball, stone]]}", "pairs: {ignore: [[house, ball], [stone, house]]}"}) {
+    const auto scene = load(objects + pairs);
+    ASSERT_EQ(scene->objects[1].name, "house");
+    EXPECT_EQ(scene->objects[1].links[0].body, nullptr);
+    EXPECT_NE(scene->objects[2].links[0].body, nullptr);
+    EXPECT_EQ(watched(*scene), Names{"ball/ball stone/stone"});
+    const std::string plan = planText(*scene);
+    EXPECT_HAS(plan,
+               "    link house, at [0, 0, 0] m\n      shape 0: mesh broken.obj, at [0, 0, 0] m\n"
+               "        not read: the object is in no watched pair\n");
+    EXPECT_HAS(plan, "  house: in no watched pair: no mesh of it is read, no hierarchy is built\n");
+    EXPECT_HAS_NOT(plan, "assimp is not called");
+  }
+  EXPECT_HAS(planText(*load(objects + "pairs: {only: []}")), "no mesh: assimp is not called");
+  // A file that is not there is a mistake all the same.
+  folder_.write("empty.obj", "");
+  for (const char* file : {"missing.obj", "empty.obj"}) {
+    std::string missing = objects;
+    missing.replace(missing.find("broken.obj"), 10, file);
+    EXPECT_HAS(refusal(missing + "pairs: {only: [[ball, stone]]}"), file);
+  }
+}
+
+/// A pair without a body would be a crash; a body without a pair is only a waste.
+TEST_F(ScenePairs, WhoIsReadIsWhoIsInAPairWhateverThePairsSay) {
+  std::mt19937 random(3);
+  const std::vector<std::string> names = {"ball", "robot", "twin", "robot/arm", "twin/tool", "post"};
+  int left_out = 0;
+  for (int round = 0; round < 300; ++round) {
+    std::string text = kObjects + "  post: {sphere: {radius: 1}, pose: {fixed: {}}}\npairs:\n";
+    const std::string key = random() % 2 ? "only" : "ignore";
+    text += "  self: " + std::string(random() % 2 ? "true" : "false") + "\n  " + key + ": [";
+    for (unsigned n = random() % 9; n > 0; --n)
+      text += "[" + names[random() % names.size()] + ", " + names[random() % names.size()] + "], ";
+    const auto scene = load(text + "]\n");
+    for (const LinkPair& pair : scene->pairs.list(scene->objects)) {
+      ASSERT_NE(scene->objects[pair.object_a].links[pair.link_a].body, nullptr) << text;
+      ASSERT_NE(scene->objects[pair.object_b].links[pair.link_b].body, nullptr) << text;
+    }
+    for (const Object& object : scene->objects) left_out += object.links[0].body ? 0 : 1;
+  }
+  EXPECT_GT(left_out, 100);
 }
 
 }  // namespace

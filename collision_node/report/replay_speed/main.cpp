@@ -5,6 +5,9 @@
 ///   instantiate<PoseStamped>; prints seconds replay_speed compare REPLAY FILE.bag SCENE.yaml          both,
 ///   three times each in turn; the ratio of the best,
 ///                                                            and the events against the truth
+///   replay_speed plans REPLAY FILE.bag SCENE.yaml            replay with and without `--plan full`: times,
+///   same bytes replay_speed start REPLAY SCENE.yaml ...                 until each scene is loaded, and
+///   memory by then
 ///
 /// The scene: OBJECTS balls of radius 0.1 on a square grid 10 m apart, each on a topic of its own at 100 Hz,
 /// all in phase but for a ns each. Ball i swings along x: x = x_i + A s(t), s a triangle wave of period 40 s;
@@ -23,6 +26,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -171,6 +175,37 @@ int compare(const std::string& self, const std::string& replay, const std::strin
   return checkEvents(events, scene, steps) == 0 ? 0 : 1;
 }
 
+Took bestOf(int rounds, const std::vector<std::string>& words) {
+  Took best{1e9, 0};
+  for (int round = 0; round < rounds; ++round) {
+    const Took took = run(words);
+    if (took.wall < best.wall) best = took;
+  }
+  return best;
+}
+
+std::string bytesOf(const std::string& name) {
+  std::ifstream file(name, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+int comparePlans(const std::string& replay, const std::string& bag, const std::string& scene) {
+  const std::string planned = bag + ".planned.jsonl", full = bag + ".full.jsonl";
+  const Took best_planned = bestOf(3, {replay, scene, bag, "--jsonl", planned});
+  const Took best_full = bestOf(3, {replay, scene, bag, "--jsonl", full, "--plan", "full"});
+  const bool same = bytesOf(planned) == bytesOf(full);
+  std::printf("replay %.2f s, --plan full %.2f s; ratio %.2f; %s\n", best_planned.wall, best_full.wall,
+              best_planned.wall / best_full.wall, same ? "the same bytes" : "DIFFERENT events");
+  return same ? 0 : 1;
+}
+
+void measureStarts(const std::string& replay, const std::vector<std::string>& scenes) {
+  for (const std::string& scene : scenes) {
+    const Took took = bestOf(10, {replay, scene, "--plan"});
+    std::printf("%s: %.1f ms, %.1f MB\n", scene.c_str(), 1e3 * took.wall, 1e-3 * 1.024 * took.memory_kb);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -183,8 +218,14 @@ int main(int argc, char** argv) {
   if (words.size() == 2 && words[0] == "read") return read(words[1]) > 0.0 ? 0 : 1;
   if (words.size() == 4 && words[0] == "compare")
     return compare("/proc/self/exe", words[1], words[2], words[3]);
+  if (words.size() == 4 && words[0] == "plans") return comparePlans(words[1], words[2], words[3]);
+  if (words.size() >= 3 && words[0] == "start") {
+    measureStarts(words[1], {words.begin() + 2, words.end()});
+    return 0;
+  }
   std::fprintf(stderr,
                "usage: replay_speed write FILE.bag SCENE.yaml POSES [OBJECTS] | read FILE.bag | "
-               "compare REPLAY FILE.bag SCENE.yaml\n");
+               "compare REPLAY FILE.bag SCENE.yaml | plans REPLAY FILE.bag SCENE.yaml | start REPLAY "
+               "SCENE.yaml ...\n");
   return 2;
 }
