@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "collision_node/impact/path_walk.h"
 #include "collision_node/scene/float_box.h"
 
 namespace collision_node::scene {
@@ -49,7 +50,9 @@ struct BoxWalk {
 
 /// Leaves the items below `root` whose boxes meet what is asked about, and perhaps some whose boxes do not
 /// meet a line. All items are equally far below it.
-void findItems(const BoxNode* nodes, std::int32_t root, const FloatBox& box, BoxWalk& walk);
-void findItems(const BoxNode* nodes, std::int32_t root, const FloatLine& line, BoxWalk& walk);
+void findItems(const BoxNode* nodes, std::int32_t root, const FloatBox& box, BoxWalk& walk,
+               impact::Lanes lanes);
+void findItems(const BoxNode* nodes, std::int32_t root, const FloatLine& line, BoxWalk& walk,
+               impact::Lanes lanes);
 
 }  // namespace collision_node::scene

@@ -23,8 +23,8 @@ class BoxTree {
 
   /// The walk has the items then, in no order that means anything.
   template <typename Question>
-  void find(const Question& question, BoxWalk& walk) const {
-    findItems(nodes_.data(), root_, question, walk);
+  void find(const Question& question, BoxWalk& walk, impact::Lanes lanes = impact::fastestLanes()) const {
+    findItems(nodes_.data(), root_, question, walk, lanes);
   }
 
  private:

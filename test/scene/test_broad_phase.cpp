@@ -229,9 +229,16 @@ TEST_F(BroadPhaseTest, BoxesInATreeAreFoundAsInAList) {
     std::set<std::int32_t> expected;
     for (const auto& [item, box] : list)
       if (question.meets(box)) expected.insert(item);
-    tree.find(question, walk);
-    ASSERT_EQ(std::set<std::int32_t>(walk.items(), walk.items() + walk.count()), expected);
-    ASSERT_EQ(walk.count(), expected.size());
+    for (const impact::Lanes lanes : {impact::Lanes::kBaseline, impact::fastestLanes()}) {
+      tree.find(question, walk, lanes);
+      ASSERT_EQ(std::set<std::int32_t>(walk.items(), walk.items() + walk.count()), expected);
+      ASSERT_EQ(walk.count(), expected.size());
+    }
+    const FloatLine line(sweep(at, at + vector(300.0), real(0.1, 10.0)), Vec3::Zero());
+    tree.find(line, walk);
+    const std::vector<std::int32_t> items(walk.items(), walk.items() + walk.count());
+    tree.find(line, walk, impact::Lanes::kBaseline);
+    ASSERT_EQ(std::vector<std::int32_t>(walk.items(), walk.items() + walk.count()), items);
   }
 }
 
@@ -265,8 +272,10 @@ TEST_F(BroadPhaseTest, BoxesThatOnlyTouchMeetWhereverTheyAreSeenFrom) {
     Vec3 from = Vec3::Constant(-0.5 * reach), to = Vec3::Constant(0.5 * reach);
     from[axis] = to[axis] = wall + radius;
     const double spare = std::ldexp(wall + reach + radius, -44);
-    tree.find(FloatLine(sweep(from, to, radius + spare), origin), walk);
-    ASSERT_EQ(walk.count(), 1u) << round;
+    for (const impact::Lanes lanes : {impact::Lanes::kBaseline, impact::fastestLanes()}) {
+      tree.find(FloatLine(sweep(from, to, radius + spare), origin), walk, lanes);
+      ASSERT_EQ(walk.count(), 1u) << round;
+    }
   }
   EXPECT_GT(not_floats, 1000);
 }
