@@ -27,7 +27,7 @@ double PairSteps::advance(double from, double to, double stop, std::uint64_t& te
     Axis axis, other;
     double s = triangles ? TrianglePair(piece_, now, a_, b_).apartFor(to - t, &axis) : 0.0;
     if (s < to - t && !(s > stop)) {
-      // The gap along the axis is what counts, and a hundredth less of it is as good.
+      // The gap along the axis is what counts, and a few hundredths less of it are as good.
       constexpr double kLoss = 3e-2;
       const Axis through = closestAt(now, kLoss);
       const double by_points = longest(now, through, to - t, &other);
