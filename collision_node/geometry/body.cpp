@@ -69,6 +69,7 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       for (const Vec3& p : points) primitive_vertices_.push_back(place(p));
       representatives_.push_back(primitive_vertices_.back());
       primitives_.push_back(e);
+      frames_.push_back({origin.position, origin.orientation.toRotationMatrix(), Vec3::Zero()});
     };
     const Shape& shape = shapes_[s].shape;
     if (std::holds_alternative<Point>(shape)) {
@@ -83,9 +84,11 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
                                      i & 4 ? box->size.z() : -box->size.z()));
       }
       addVertices(corners, 0.0);
+      frames_.back().half = 0.5 * box->size;
     } else if (const auto* capsule = std::get_if<Capsule>(&shape)) {
       const Vec3 half(0, 0, 0.5 * capsule->length);
       addVertices({-half, half}, capsule->radius);
+      frames_.back().half = half;
     } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
       Element e;
       e.centre = origin.position;
@@ -96,6 +99,10 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       first_vertex_of.push_back(-1);
       representatives_.push_back(e.centre);
       primitives_.push_back(e);
+      const Vec3 across = e.axis.unitOrthogonal();
+      Mat3 axes = Mat3::Zero();
+      axes << across, e.axis.cross(across), e.axis;
+      frames_.push_back({e.centre, axes, Vec3::Zero()});
     } else if (const auto* convex = std::get_if<Convex>(&shape)) {
       addVertices(hullVertices(convex->mesh->vertices), 0.0);
     } else {
@@ -130,7 +137,9 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
 
   triangle_count_ = static_cast<std::int32_t>(triangles_.size());
   for (std::size_t p = 0; p < primitives_.size(); ++p) {
-    if (first_vertex_of[p] >= 0) primitives_[p].vertices = &primitive_vertices_[first_vertex_of[p]];
+    Element& e = primitives_[p];
+    if (first_vertex_of[p] >= 0) e.vertices = &primitive_vertices_[first_vertex_of[p]];
+    if (!std::holds_alternative<Convex>(shapes_[e.shape].shape)) e.frame = &frames_[p];
   }
   std::vector<Bounds> boxes;
   boxes.reserve(elementCount());
@@ -149,14 +158,21 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   for (const Vec3& v : vertices_) radius2 = std::max(radius2, (v - c).squaredNorm());
   for (const Vec3& v : primitive_vertices_) radius2 = std::max(radius2, (v - c).squaredNorm());
   radius_ = std::sqrt(radius2);
-  double grown = 0.0;
+  double grown = 0.0, farthest = 0.0;
   for (const Element& e : primitives_) {
     grown = std::max(grown, e.radius);
+    double core = 0.0;
     if (e.vertices == nullptr) {
-      radius_ = std::max(radius_, (e.centre - c).norm() + std::hypot(e.rim_radius, e.half_length));
+      const double half = std::hypot(e.rim_radius, e.half_length);
+      radius_ = std::max(radius_, (e.centre - c).norm() + half);
+      core = e.centre.norm() + half;
     }
+    for (int i = 0; i < e.count; ++i) core = std::max(core, e.vertices[i].norm());
+    farthest = std::max(farthest, core + e.radius);
   }
   radius_ = (radius_ + grown) * kUp + 4e-16 * c.norm();
+  // Primitives know better than their boxes' corners.
+  reach_ = triangle_count_ > 0 ? bvh_[Bvh::kRoot].reach : farthest * kUp;
 }
 
 /// Triangles and vertices that are looked at together lie together.

@@ -13,13 +13,23 @@
 
 namespace collision_node::geometry {
 
+/// A core's own axes, for what is faster there. A box, a segment and a point are those of a box with half
+/// lengths `half`, which a segment has along z only; a cylinder has its axis along z and `half` unused.
+struct CoreFrame {
+  Vec3 centre;  ///< [m], object frame
+  Mat3 axes;    ///< columns, orthonormal to rounding
+  Vec3 half;    ///< [m]
+};
+
 /// A convex set: the hull of `count` vertices, or a solid cylinder, grown by `radius` in all directions.
 /// A triangle, box (8 vertices), convex hull, point/sphere (1 vertex) and capsule (2 vertices) are all of
 /// this form.
 struct Element {
   const Vec3* vertices = nullptr;  ///< [m], object frame; null for a cylinder
   int count = 0;
-  double radius = 0.0;  ///< [m]
+  double radius = 0.0;               ///< [m]
+  const CoreFrame* frame = nullptr;  ///< null for triangles and hulls; a box's corner i is beyond the centre
+                                     ///< along axis k if i has bit k
   // cylinder core, when vertices == nullptr
   Vec3 centre = Vec3::Zero();
   Vec3 axis = Vec3::UnitZ();  ///< unit
@@ -62,7 +72,7 @@ class Body {
   /// One point of every connected component of the body: if none is inside a solid, and the surfaces are
   /// apart, nothing of this body is inside it.
   const std::vector<Vec3>& representatives() const { return representatives_; }
-  double reach() const { return bvh_[0].reach; }  ///< >= distance of any point from the object's origin [m]
+  double reach() const { return reach_; }         ///< >= distance of any point from the object's origin [m]
   Vec3 centre() const { return bvh_.centre(0); }  ///< of the bounding sphere
   /// What placing the shapes in the object's frame rounded, for any point of the body [m].
   double placingError() const { return placing_error_; }
@@ -83,10 +93,11 @@ class Body {
   std::vector<std::int32_t> first_triangle_of_shape_;  ///< as loaded; -1: not a mesh
   std::vector<Element> primitives_;
   std::vector<Vec3> primitive_vertices_;
+  std::vector<CoreFrame> frames_;  ///< of each primitive
   Bvh bvh_;
   std::vector<int> solids_;
   std::vector<Vec3> representatives_;
-  double radius_ = 0.0, placing_error_ = 0.0;
+  double radius_ = 0.0, reach_ = 0.0, placing_error_ = 0.0;
   std::int32_t triangle_count_ = 0;
   mutable std::once_flag wide_built_;
   mutable std::unique_ptr<const WideBvh> wide_;

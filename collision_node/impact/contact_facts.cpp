@@ -104,9 +104,10 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
 
   // At the touch n' . w >= radius for every core difference then, so n' . w >= radius - moved now, while n .
   // w is at most height + radius + moved: sin(lean) l <= height + 2 moved.
-  double cone = view.normalCone(2.0 * moved + std::max(0.0, -view.gap()));
+  double cone = M_PI;
   if (radius > 0.0 && gap > 2.0 * moved)
-    cone = std::min(cone, roundedCone(piece, cores, closest, n, view.gap(), gap, moved, turned));
+    cone = roundedCone(piece, cores, closest, n, view.gap(), gap, moved, turned);
+  cone = view.normalCone(2.0 * moved + std::max(0.0, -view.gap()), cone);
   cone = std::min(M_PI, cone + turned + 32.0 * kUnit);
   f.normal = n;
   f.normal_error = cone;

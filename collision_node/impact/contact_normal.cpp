@@ -16,7 +16,7 @@ namespace {
 double directionError(const PairPiece& piece, const Cores& cores, const Closest& closest, double gap) {
   const double length = closest.v.norm();
   const double dual = std::sqrt((std::max(0.0, length - gap) + 8.0 * piece.point_error) / length);
-  if (closest.exact) return 64.0 * piece.point_error / gap;
+  if (closest.sure > 16.0 * piece.point_error) return 64.0 * piece.point_error / gap;
   if (closest.count > 2) return dual;
   const Element &a = *cores.a.element, &b = *cores.b.element;
   if (a.vertices == nullptr || b.vertices == nullptr) return dual;

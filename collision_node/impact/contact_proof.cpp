@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/impact/closest_points.h"
+
 namespace collision_node::impact {
 namespace {
 

@@ -18,6 +18,17 @@ struct ContactWitness {
   Wrap wrap;            ///< otherwise
   Vec3 point =
       Vec3::Zero();  ///< a common point, world axes relative to A's origin (rounded: between the cores)
+
+  /// As new, without touching all the room there is for a wrap.
+  void clear() {
+    element_a = element_b = -1;
+    rounded = false;
+    shrunk = 0.0;
+    closest = Closest();
+    wrap.points.clear();
+    wrap.faces.clear();
+    point.setZero();
+  }
 };
 
 /// Do the two elements touch at `now`? Fills `witness` (but not its element ids). With `witness.shrunk` > 0 a

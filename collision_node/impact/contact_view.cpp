@@ -63,7 +63,7 @@ void ContactView::see(const PosedCore& core, const Vec3& up, double* top,
             [](const SeenPoint& x, const SeenPoint& y) { return x.depth < y.depth; });
 }
 
-double ContactView::normalCone(double moved) const {
+double ContactView::normalCone(double moved, double known) const {
   const std::vector<SeenPoint>&a = buffers_.a, &b = buffers_.b;
   Polygon& used = buffers_.points;
   // No hull of differences holds a larger disc.
@@ -73,8 +73,10 @@ double ContactView::normalCone(double moved) const {
   const double widest = (b[0].across - a[0].across).norm() + std::sqrt(spread_a) + std::sqrt(spread_b);
   constexpr double kLevel = 1.2;  // heights this close are one level: a hull for each would tell little more
   constexpr std::size_t kEnough = 64, kMost = 4096;
-  double best_sine = 1.0, done = -1.0;  // every difference up to this height is used
+  const double known_sine = known < M_PI_2 ? std::sin(known) : 1.0;
+  double best_sine = known_sine, done = -1.0;  // every difference up to this height is used
   used.clear();
+  Vec2 low = Vec2::Constant(kInfinity), high = -low;  // of what is used
   while (used.size() <= kEnough) {
     double next = kInfinity;
     for (const SeenPoint& p : a) {
@@ -95,16 +97,21 @@ double ContactView::normalCone(double moved) const {
         if (!(height <= level)) break;
         if (!(height > done)) continue;
         highest = std::max(highest, height);
-        used.push_back(q.across - p.across);
+        const Vec2 x = q.across - p.across;
+        low = low.cwiseMin(x);
+        high = high.cwiseMax(x);
+        used.push_back(x);
       }
       if (used.size() > kMost) break;
     }
     done = level;
     if (used.size() < 3) continue;
+    const double most = std::min((-low).minCoeff(), high.minCoeff());  // of the disc about the origin
+    if (!(moved + highest < best_sine * most)) continue;
     const double l = discInHull(used, buffers_.scratch);
     if (l > moved + highest) best_sine = std::min(best_sine, (moved + highest) / l);
   }
-  return best_sine < 1.0 ? std::asin(best_sine) * (1.0 + 64.0 * kUnit) : M_PI;
+  return best_sine < known_sine ? std::asin(best_sine) * (1.0 + 64.0 * kUnit) : known;
 }
 
 /// Corner points of a set that holds every point of the core within `depth` of its support plane.
@@ -159,6 +166,7 @@ void ContactView::commonDisc(double depth, double tilt, double moved_a, double m
   enclosingDisc(buffers_.points, centre, radius);
   const bool point_a = *radius <= kPoint * moved_a;
   *radius += moved_a;
+  if (buffers_.points.size() == 1 && moved_a <= moved_b) return;  // nothing of B's can be smaller
   if (!point_a) convexHull(buffers_.points, buffers_.hull_a);
   cap(cores_.b, -n_, buffers_.b, depth, tilt, buffers_.points);
   Vec2 centre_b;

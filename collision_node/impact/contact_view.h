@@ -31,8 +31,8 @@ class ContactView {
 
   /// Half angle of a cone about n that holds every unit n' with n' . (w - gap n) >= -moved for all
   /// differences w = b - a of the cores' points: where those within h of the lowest surround n up to radius
-  /// l, sin(angle) <= (h + moved)/l. pi when nothing is known.
-  double normalCone(double moved) const;
+  /// l, sin(angle) <= (h + moved)/l. At most `known`, a half angle for which the same is known; pi for none.
+  double normalCone(double moved, double known) const;
 
   /// A disc in the plane across n that holds everything within `moved_a` of A's points at most `depth` below
   /// its support plane and within `moved_b` of B's. `tilt` bounds how far the true normal leans from n [rad].

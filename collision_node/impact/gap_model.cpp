@@ -4,53 +4,80 @@
 #include <cmath>
 #include <utility>
 
+#include "collision_node/impact/closest_points.h"
+
 namespace collision_node::impact {
 namespace {
-
-/// max over the core of u . x, with u = u0 + s u1, and the rate of it at the extreme point.
-struct Support {
-  double value, rate;
-};
-
-Support supportValue(const Element& e, const Vec3& u0, const Vec3& u1, double s) {
-  const Vec3 u = u0 + s * u1;
-  if (e.vertices != nullptr) {
-    int best = 0;
-    double value = u.dot(e.vertices[0]);
-    for (int i = 1; i < e.count; ++i) {
-      const double v = u.dot(e.vertices[i]);
-      if (v > value) {
-        value = v;
-        best = i;
-      }
-    }
-    return {value, u1.dot(e.vertices[best])};
-  }
-  const double along = u.dot(e.axis);
-  const Vec3 across = u - along * e.axis;
-  const double length = across.norm();
-  const double sign = along >= 0.0 ? 1.0 : -1.0;
-  Vec3 p = e.centre + sign * e.half_length * e.axis;
-  if (length > 0.0) p += (e.rim_radius / length) * across;
-  return {u.dot(e.centre) + e.half_length * std::abs(along) + e.rim_radius * length, u1.dot(p)};
-}
 
 constexpr double kUp = 1.0 + 64.0 * kUnit;
 
 }  // namespace
 
+/// A core that has axes of its own is placed as exactly as its corners are: within the placing error.
+MovingSupport::MovingSupport(const Element& e, const Vec3& u0, const Vec3& u1) {
+  if (e.frame == nullptr) {
+    hull_ = &e;
+    u0_ = u0;
+    u1_ = u1;
+    return;
+  }
+  constant_ = u0.dot(e.frame->centre);
+  linear_ = u1.dot(e.frame->centre);
+  round_ = e.vertices == nullptr;
+  half_ = round_ ? Vec3(e.rim_radius, 0.0, e.half_length) : e.frame->half;
+  if (e.count == 1) return;  // a point
+  u0_ = e.frame->axes.transpose() * u0;
+  u1_ = e.frame->axes.transpose() * u1;
+}
+
+MovingSupport::Value MovingSupport::at(double s) const {
+  const Vec3 u = u0_ + s * u1_;
+  if (hull_ != nullptr) {
+    int best = 0;
+    double value = u.dot(hull_->vertices[0]);
+    for (int i = 1; i < hull_->count; ++i) {
+      const double v = u.dot(hull_->vertices[i]);
+      if (v > value) {
+        value = v;
+        best = i;
+      }
+    }
+    return {value, u1_.dot(hull_->vertices[best])};
+  }
+  Value v{constant_ + s * linear_ + half_[2] * std::abs(u[2]),
+          linear_ + std::copysign(half_[2], u[2]) * u1_[2]};
+  if (round_) {
+    const double across = std::sqrt(u[0] * u[0] + u[1] * u[1]);
+    v.value += half_[0] * across;
+    if (across > 0.0) v.rate += half_[0] * (u[0] * u1_[0] + u[1] * u1_[1]) / across;
+  } else {
+    v.value += half_[0] * std::abs(u[0]) + half_[1] * std::abs(u[1]);
+    v.rate += std::copysign(half_[0], u[0]) * u1_[0] + std::copysign(half_[1], u[1]) * u1_[1];
+  }
+  return v;
+}
+
+double MovingSupport::bend() const {
+  const double across2 = u0_[0] * u0_[0] + u0_[1] * u0_[1];
+  if (!round_ || !(across2 > 0.0)) return 0.0;
+  const double turn = u0_[0] * u1_[1] - u0_[1] * u1_[0];
+  return 0.5 * half_[0] * turn * turn / (across2 * std::sqrt(across2));
+}
+
 GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
                    const Axis& axis, const CoreReaches& reaches)
-    : a_(a), b_(b), direction_(axis.direction), rate_(axis.rate) {
+    : direction_(axis.direction),
+      rate_(axis.rate),
+      // A: max over a of [n + s (rate + n x omega_a)] . (R_a a); B likewise, its minimum written as a
+      // maximum.
+      a_(a, now.ra.transpose() * direction_,
+         now.ra.transpose() * (rate_ + direction_.cross(piece.motion.omegaA()))),
+      b_(b, -(now.rb.transpose() * direction_),
+         -(now.rb.transpose() * (rate_ + direction_.cross(piece.motion.omegaB())))) {
   const RelativeMotion& m = piece.motion;
   const double reach_a = reaches.a * kUp, reach_b = reaches.b * kUp;
   length_ = direction_.norm() * kUp;
   rate_length_ = rate_.norm() * kUp;
-  // A: max over a of [n + s (rate + n x omega_a)] . (R_a a); B likewise, its minimum written as a maximum.
-  a0_ = now.ra.transpose() * direction_;
-  a1_ = now.ra.transpose() * (rate_ + direction_.cross(m.omegaA()));
-  b0_ = -(now.rb.transpose() * direction_);
-  b1_ = -(now.rb.transpose() * (rate_ + direction_.cross(m.omegaB())));
   constant_ = direction_.dot(now.d);
   linear_ = rate_.dot(now.d) + direction_.dot(now.d_rate);
   grown_ = a.radius + b.radius + piece.contact_distance;
@@ -62,9 +89,14 @@ GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a,
   rate_error_ = piece.rate_error;
 }
 
+double GapModel::bendNow() const {
+  const double along = direction_.dot(rate_) / length_;
+  const double growing = grown_ * (rate_length_ * rate_length_ - along * along) / length_;
+  return leastBend() + a_.bend() + b_.bend() + 0.5 * growing;
+}
+
 GapModel::Value GapModel::at(double s) const {
-  const Support a = supportValue(a_, a0_, a1_, s);
-  const Support b = supportValue(b_, b0_, b1_, s);
+  const MovingSupport::Value a = a_.at(s), b = b_.at(s);
   const double axis_bound = length_ + s * rate_length_;
   double grown = 0.0, grown_rate = 0.0;
   if (grown_ > 0.0) {
@@ -133,40 +165,6 @@ Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, 
   return axis;
 }
 
-Axis axisToCylinder(const PairPiece& piece, const Instant& now, const Element& a, const Element& b) {
-  const RelativeMotion& m = piece.motion;
-  const bool point_is_a = a.vertices != nullptr;
-  const Element& cylinder = point_is_a ? b : a;
-  const Vec3 xa = now.ra * (point_is_a ? a.vertices[0] : a.centre);
-  const Vec3 xb = now.rb * (point_is_a ? b.centre : b.vertices[0]);
-  const Vec3 xb_rate = now.d_rate + m.omegaB().cross(xb), xa_rate = m.omegaA().cross(xa);
-  const Vec3& omega = point_is_a ? m.omegaB() : m.omegaA();
-  const double outward = point_is_a ? -1.0 : 1.0;
-  // The point from the cylinder's centre, and its velocity in the cylinder's own turning frame: along the
-  // axis u, away from it along r, and around it along e.
-  const Vec3 x = (now.d + xb - xa) * outward;
-  const Vec3 v = (xb_rate - xa_rate) * outward - omega.cross(x);
-  const Vec3 u = (point_is_a ? now.rb : now.ra) * cylinder.axis;
-  const double along = u.dot(x);
-  const Vec3 across = x - along * u;
-  const double distance = across.norm();
-  const double above = along - std::clamp(along, -cylinder.half_length, cylinder.half_length);
-  const double beside = std::max(0.0, distance - cylinder.rim_radius);
-  const double gap = std::hypot(above, beside);
-  Axis axis;
-  if (!(gap > 0.0)) return axis;
-  const Vec3 r = distance > 0.0 ? Vec3(across / distance) : u.unitOrthogonal(), e = u.cross(r);
-  const double sine = above / gap, cosine = beside / gap;
-  Vec3 n = cosine * r + sine * u, turn = Vec3::Zero();
-  if (above != 0.0 && beside > 0.0)  // around the rim
-    turn = ((v.dot(u) * cosine - v.dot(r) * sine) / gap) * (cosine * u - sine * r);
-  if (beside > 0.0) turn += (cosine * v.dot(e) / distance) * e;
-  axis.direction = outward * n;
-  axis.rate = outward * (omega.cross(n) + turn);
-  axis.valid = true;
-  return axis;
-}
-
 namespace {
 
 /// Normals made unit, with their rates kept across them. Between cores that are apart every point of B lies
@@ -196,21 +194,6 @@ class AxisList {
   Vec3 across_;
 };
 
-/// Eight corners in the order of their three signs: three directions of edges stand for all twelve.
-bool isBox(const Element& e) {
-  if (e.count != 8) return false;
-  const Vec3* v = e.vertices;
-  const double small = 1e-12 * (v[7] - v[0]).squaredNorm();
-  for (const int i : {3, 5, 6, 7}) {
-    Vec3 corner = v[0];
-    for (const int bit : {1, 2, 4}) {
-      if ((i & bit) != 0) corner += v[bit] - v[0];
-    }
-    if (!((corner - v[i]).squaredNorm() <= small)) return false;
-  }
-  return true;
-}
-
 /// Axis, side normals through the other's vertices, and normals of the axis with the other's edges.
 void addCylinderAxes(AxisList& axes, const Element& cylinder, const Mat3& rotation, const Vec3& origin,
                      const Vec3& omega, const Element& other, const Mat3& other_rotation,
@@ -224,7 +207,7 @@ void addCylinderAxes(AxisList& axes, const Element& cylinder, const Mat3& rotati
     return;
   }
   if (other.count > 8) return;
-  const bool box = isBox(other);
+  const bool box = other.frame != nullptr && other.count == 8;
   if (box || other.count == 3) {  // the faces against the rim
     const auto edgeTo = [&](int i) -> Vec3 {
       return other_rotation * (other.vertices[i] - other.vertices[0]);
@@ -326,12 +309,20 @@ double apartFor(const GapModel& model, double span, double* gap_now) {
   *gap_now = start.gap;
   if (!(start.gap > 0.0) || !(span > 0.0)) return 0.0;
   double low = 0.0, low_gap = start.gap;
-  // The parabola of the start's value and slope lies above the concave model: its root bounds ours from
-  // above.
-  const double bend = model.leastBend(), discriminant = start.slope * start.slope + 4.0 * bend * start.gap;
-  const double root = start.slope > 0.0 ? (start.slope + std::sqrt(discriminant)) / (2.0 * bend)
-                                        : 2.0 * start.gap / (std::sqrt(discriminant) - start.slope);
-  double high = root < span ? root : span;
+  // Where the parabola of the start's value, slope and bend comes to zero, if that is before the end.
+  const auto rootWith = [&](double bend) {
+    const double discriminant = std::sqrt(start.slope * start.slope + 4.0 * bend * start.gap);
+    return start.slope > 0.0 ? (start.slope + discriminant) / (2.0 * bend)
+                             : 2.0 * start.gap / (discriminant - start.slope);
+  };
+  // The one with the least bend lies above the concave model: its root bounds ours from above.
+  double high = std::min(span, rootWith(model.leastBend()));
+  // The one with the present bend is right to second order: a little before its root most steps end.
+  const double near = rootWith(model.bendNow()), less = 1e-9 + 0.2 * std::abs(1.0 - near / high);
+  if (near < span && less < 0.02) {
+    const double trial = near * (1.0 - less);
+    if (model.at(trial).gap > 0.0) return trial;
+  }
   GapModel::Value end = model.at(high);
   if (end.gap > 0.0) return high;
   // A pair that recedes: the model rises before it falls, so that a chord from a small gap shows nothing of

@@ -33,6 +33,26 @@ struct CoreReaches {
   double a, b;
 };
 
+/// max over a core of u(s) . x, u = u0 + s u1 in its object's frame; convex in s.
+class MovingSupport {
+ public:
+  MovingSupport(const Element& e, const Vec3& u0, const Vec3& u1);
+
+  struct Value {
+    double value, rate;  ///< and its rate at the extreme point
+  };
+  Value at(double s) const;
+  /// Half its second derivative at s = 0, as long as its features stay.
+  double bend() const;
+
+ private:
+  const Element* hull_ = nullptr;  ///< a core without axes of its own; else:
+  bool round_ = false;
+  double constant_ = 0.0, linear_ = 0.0;  ///< of its centre
+  Vec3 half_;
+  Vec3 u0_ = Vec3::Zero(), u1_ = Vec3::Zero();  ///< in its own axes, or in the object's frame
+};
+
 /// Lower bound of the gap along n(s): concave in s, so positive at s (and at 0) means positive between.
 class GapModel {
  public:
@@ -49,13 +69,13 @@ class GapModel {
 
   /// The gap is at most at(0).gap + s at(0).slope - s^2 leastBend() [m/s^2], to rounding.
   double leastBend() const { return square_ + curve_ * length_; }
+  /// The same with what bends right now, to second order.
+  double bendNow() const;
 
  private:
-  const Element& a_;
-  const Element& b_;
   Vec3 direction_, rate_;
+  MovingSupport a_, b_;  ///< of B negated
   double length_, rate_length_;
-  Vec3 a0_, a1_, b0_, b1_;  ///< support directions in the objects' frames: a0 + s a1, for B negated
   double constant_, linear_;
   double grown_;           ///< both radii and the contact distance
   double square_, curve_;  ///< subtracted: square s^2 + curve s^2 |n(s)|
@@ -65,9 +85,6 @@ class GapModel {
 /// The axis through the closest points, turning with the features that hold them; invalid when the cores
 /// overlap.
 Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, bool rounded);
-
-/// The same for a single point and a cylinder, whose closest point slides over the cylinder.
-Axis axisToCylinder(const PairPiece& piece, const Instant& now, const Element& a, const Element& b);
 
 /// A cylinder with a hull of eight vertices has the most: 37.
 using Axes = boost::container::static_vector<Axis, 40>;

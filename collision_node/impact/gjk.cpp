@@ -4,150 +4,137 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/impact/closest_points.h"
+
 namespace collision_node::impact {
 namespace {
 
-/// Closest point of a simplex to the origin: which of its points are used, and their weights.
+/// Closest point of a simplex to the origin: which of its points are used, in ascending order, and their
+/// weights.
 struct Reduced {
   int count = 0;
-  int index[4] = {};
-  double weight[4] = {};
+  int index[4];
+  double weight[4];
   Vec3 v = Vec3::Zero();
+  double length2 = std::numeric_limits<double>::infinity();  ///< of v
   bool inside = false;
 };
 
-Reduced closestOnPoint(const SupportPair* p, int i) {
-  Reduced r;
-  r.count = 1;
-  r.index[0] = i;
-  r.weight[0] = 1.0;
-  r.v = p[i].w;
-  return r;
+void offerPoint(const SupportPair* p, int i, Reduced& best) {
+  const double length2 = p[i].w.squaredNorm();
+  if (!(length2 < best.length2)) return;
+  best.count = 1;
+  best.index[0] = i;
+  best.weight[0] = 1.0;
+  best.v = p[i].w;
+  best.length2 = length2;
 }
 
-Reduced closestOnSegment(const SupportPair* p, int i, int j) {
+void offerSegment(const SupportPair* p, int i, int j, Reduced& best) {
   const Vec3 e = p[j].w - p[i].w;
-  const double length2 = e.squaredNorm();
+  const double edge2 = e.squaredNorm();
   const double s = -p[i].w.dot(e);
-  if (!(s > 0.0)) return closestOnPoint(p, i);
-  if (!(s < length2)) return closestOnPoint(p, j);
-  Reduced r;
-  r.count = 2;
-  r.index[0] = i;
-  r.index[1] = j;
-  r.weight[1] = s / length2;
-  r.weight[0] = 1.0 - r.weight[1];
-  r.v = p[i].w + r.weight[1] * e;
-  return r;
+  if (!(s > 0.0)) return offerPoint(p, i, best);
+  if (!(s < edge2)) return offerPoint(p, j, best);
+  const double share = s / edge2;
+  const Vec3 v = p[i].w + share * e;
+  const double length2 = v.squaredNorm();
+  if (!(length2 < best.length2)) return;
+  best.count = 2;
+  best.index[0] = i;
+  best.index[1] = j;
+  best.weight[0] = 1.0 - share;
+  best.weight[1] = share;
+  best.v = v;
+  best.length2 = length2;
 }
 
-Reduced nearer(const Reduced& x, const Reduced& y) { return x.v.squaredNorm() <= y.v.squaredNorm() ? x : y; }
-
-/// Ericson, Real-Time Collision Detection (2005), 5.1.5: Voronoi regions of a triangle.
-Reduced closestOnTriangle(const SupportPair* p, int i, int j, int k) {
+/// Ericson, Real-Time Collision Detection (2005), 5.1.5: Voronoi regions of a triangle; i < j < k. Where `k`
+/// is new and brings the simplex closer than i and j could, what is closest holds k: their edge need not be
+/// asked.
+void offerTriangle(const SupportPair* p, int i, int j, int k, bool k_is_new, Reduced& best) {
   const Vec3 &a = p[i].w, &b = p[j].w, &c = p[k].w;
-  const Vec3 ab = b - a, ac = c - a;
-  const Vec3 n = ab.cross(ac);
+  const Vec3 n = (b - a).cross(c - a);
   const double n2 = n.squaredNorm();
   // barycentrics of the origin's projection, as volumes n . (x cross y)
   const double wa = n.dot(b.cross(c)), wb = n.dot(c.cross(a)), wc = n.dot(a.cross(b));
   if (n2 > 0.0 && wa > 0.0 && wb > 0.0 && wc > 0.0) {
-    Reduced r;
-    r.count = 3;
-    r.index[0] = i;
-    r.index[1] = j;
-    r.index[2] = k;
+    const Vec3 v = n * (n.dot(a) / n2);
+    const double length2 = v.squaredNorm();
+    if (!(length2 < best.length2)) return;
     const double sum = wa + wb + wc;
-    r.weight[0] = wa / sum;
-    r.weight[1] = wb / sum;
-    r.weight[2] = wc / sum;
-    r.v = n * (n.dot(a) / n2);
-    return r;
+    best.count = 3;
+    best.index[0] = i;
+    best.index[1] = j;
+    best.index[2] = k;
+    best.weight[0] = wa / sum;
+    best.weight[1] = wb / sum;
+    best.weight[2] = wc / sum;
+    best.v = v;
+    best.length2 = length2;
+    return;
   }
-  return nearer(nearer(closestOnSegment(p, i, j), closestOnSegment(p, j, k)), closestOnSegment(p, k, i));
+  offerSegment(p, i, k, best);
+  offerSegment(p, j, k, best);
+  if (!k_is_new) offerSegment(p, i, j, best);
 }
 
-Reduced closestOnTetrahedron(const SupportPair* p) {
-  static constexpr int kFaces[4][4] = {{0, 1, 2, 3}, {0, 3, 1, 2}, {0, 2, 3, 1}, {1, 3, 2, 0}};
-  Reduced best;
-  best.v = Vec3::Constant(std::numeric_limits<double>::infinity());
-  bool inside = true;
-  double volumes[4];
-  for (int f = 0; f < 4; ++f) {
-    const Vec3 &a = p[kFaces[f][0]].w, &b = p[kFaces[f][1]].w, &c = p[kFaces[f][2]].w,
-               &opposite = p[kFaces[f][3]].w;
-    const Vec3 n = (b - a).cross(c - a);
-    const double origin_side = -n.dot(a);
-    const double other_side = n.dot(opposite - a);
-    volumes[f] = origin_side;
-    if (!(origin_side * other_side > 0.0)) {
-      inside = false;
-      best = nearer(best, closestOnTriangle(p, kFaces[f][0], kFaces[f][1], kFaces[f][2]));
+/// The last point is new, as in offerTriangle().
+void offerTetrahedron(const SupportPair* p, Reduced& best) {
+  // The weight of a vertex is the origin's share of the volume over the face opposite to it.
+  const Vec3 &a = p[0].w, &b = p[1].w, &c = p[2].w, &d = p[3].w;
+  const Vec3 ab = b - a, ac = c - a, ad = d - a;
+  const Vec3 abc = ab.cross(ac), acd = ac.cross(ad), adb = ad.cross(ab);
+  const double volume = abc.dot(ad);
+  const double weight_d = -abc.dot(a), weight_b = -acd.dot(a), weight_c = -adb.dot(a);
+  const double weight_a = (b - d).cross(c - d).dot(d);
+  const auto beyond = [volume](double weight) { return !(weight * volume > 0.0); };
+  const bool out_a = beyond(weight_a), out_b = beyond(weight_b), out_c = beyond(weight_c),
+             out_d = beyond(weight_d);
+  if (!(out_a || out_b || out_c || out_d)) {
+    best.inside = true;
+    best.count = 4;
+    best.v = Vec3::Zero();
+    best.length2 = 0.0;
+    const double all = weight_a + weight_b + weight_c + weight_d;
+    const double weights[4] = {weight_a, weight_b, weight_c, weight_d};
+    for (int i = 0; i < 4; ++i) {
+      best.index[i] = i;
+      best.weight[i] = weights[i] / all;
     }
+    return;
   }
-  if (!inside) return best;
-  best.inside = true;
-  best.count = 4;
-  best.v = Vec3::Zero();
-  // The weight of a vertex is the volume over the face opposite to it.
-  const double total =
-      std::abs(volumes[0]) + std::abs(volumes[1]) + std::abs(volumes[2]) + std::abs(volumes[3]);
-  for (int f = 0; f < 4; ++f) {
-    best.index[f] = f;
-    best.weight[kFaces[f][3]] = std::abs(volumes[f]) / total;
+  if (out_a) offerTriangle(p, 1, 2, 3, true, best);
+  if (out_b) offerTriangle(p, 0, 2, 3, true, best);
+  if (out_c) offerTriangle(p, 0, 1, 3, true, best);
+  if (out_d && !(out_a || out_b || out_c)) offerTriangle(p, 0, 1, 2, false, best);
+}
+
+/// `last_is_new`: it is a support point along the closest point of the others.
+Reduced reduce(const SupportPair* p, int count, bool last_is_new) {
+  Reduced best;
+  switch (count) {
+    case 1:
+      offerPoint(p, 0, best);
+      break;
+    case 2:
+      offerSegment(p, 0, 1, best);
+      break;
+    case 3:
+      offerTriangle(p, 0, 1, 2, last_is_new, best);
+      break;
+    default:
+      offerTetrahedron(p, best);
   }
   return best;
 }
 
-Reduced reduce(const SupportPair* p, int count) {
-  switch (count) {
-    case 1:
-      return closestOnPoint(p, 0);
-    case 2:
-      return closestOnSegment(p, 0, 1);
-    case 3:
-      return closestOnTriangle(p, 0, 1, 2);
-    default:
-      return closestOnTetrahedron(p);
-  }
-}
-
-/// The point of a cylinder nearest to `p`, both in the cylinder's frame: clamp along the axis and across it.
-Vec3 nearestInCylinder(const Element& e, const Vec3& p) {
-  const Vec3 x = p - e.centre;
-  const double along = x.dot(e.axis);
-  const Vec3 across = x - along * e.axis;
-  const double radius = across.norm();
-  const double share = radius > e.rim_radius ? e.rim_radius / radius : 1.0;
-  return e.centre + std::clamp(along, -e.half_length, e.half_length) * e.axis + share * across;
-}
-
-/// A single point against a cylinder has a closed form; GJK only creeps towards a curved surface.
-Closest pointToCylinder(const Cores& cores, bool point_is_a) {
-  const PosedCore &point = point_is_a ? cores.a : cores.b, &cylinder = point_is_a ? cores.b : cores.a;
-  const Vec3 world = point.place(point.element->vertices[0]);
-  const Vec3 local = cylinder.rotation->transpose() * (world - cylinder.origin);
-  const Vec3 nearest = nearestInCylinder(*cylinder.element, local);
-  Closest c;
-  c.count = 1;
-  c.weight[0] = 1.0;
-  c.exact = true;
-  c.point[0].local_a = point_is_a ? point.element->vertices[0] : nearest;
-  c.point[0].local_b = point_is_a ? nearest : point.element->vertices[0];
-  c.point[0].w = *cylinder.rotation * (point_is_a ? Vec3(nearest - local) : Vec3(local - nearest));
-  c.v = c.point[0].w;
-  c.overlap = c.v.isZero(0.0);
-  return c;
-}
-
 /// Takes over from the simplex only the points that hold its closest point.
-void keep(const Reduced& r, const SupportPair* simplex, Closest& c) {
-  SupportPair kept[4];
+void keep(const Reduced& r, Closest& c) {
   for (int i = 0; i < r.count; ++i) {
-    kept[i] = simplex[r.index[i]];
+    if (r.index[i] != i) c.point[i] = c.point[r.index[i]];
     c.weight[i] = r.weight[i];
   }
-  std::copy(kept, kept + r.count, c.point);
   c.count = r.count;
   c.v = r.v;
   c.overlap = r.inside;
@@ -155,11 +142,8 @@ void keep(const Reduced& r, const SupportPair* simplex, Closest& c) {
 
 /// From any points of B - A down to those closest to the origin.
 Closest descend(const Cores& cores, const Closest& start, double enough, double loss) {
-  const Element &a = *cores.a.element, &b = *cores.b.element;
-  if (a.vertices != nullptr && a.count == 1 && b.vertices == nullptr) return pointToCylinder(cores, true);
-  if (b.vertices != nullptr && b.count == 1 && a.vertices == nullptr) return pointToCylinder(cores, false);
   Closest c = start;
-  keep(reduce(c.point, c.count), c.point, c);
+  keep(reduce(c.point, c.count, false), c);
   constexpr int kMaxIterations = 96;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const double length2 = c.v.squaredNorm();
@@ -176,28 +160,40 @@ Closest descend(const Cores& cores, const Closest& start, double enough, double 
       if (next.w == c.point[i].w) return c;
     }
     c.point[c.count] = next;
-    const Reduced r = reduce(c.point, c.count + 1);
-    if (!r.inside && !(r.v.squaredNorm() < length2)) return c;  // no more progress in doubles
+    const Reduced r = reduce(c.point, c.count + 1, true);
+    if (!r.inside && !(r.length2 < length2)) return c;  // no more progress in doubles
     // Nothing lies beyond `next` along -v: with the origin beyond it, only a flat tetrahedron's rounding
     // holds it.
     if (r.inside && c.v.dot(next.w) > 0.0) return c;
     if (r.inside) c.last = c.v;
-    keep(r, c.point, c);
+    keep(r, c);
     if (c.overlap) return c;
   }
   return c;
+}
+
+Closest slidingClosest(const Cores& cores) {
+  SlidingPoints points(*cores.a.element, *cores.b.element);
+  points.find(cores);
+  return points.closest(cores);
 }
 
 }  // namespace
 
 double coreReach(const Element& e) {
   if (e.vertices == nullptr) return e.centre.norm() + std::hypot(e.rim_radius, e.half_length);
+  if (e.frame != nullptr)
+    return ((e.frame->axes.transpose() * e.frame->centre).cwiseAbs() + e.frame->half).norm();
   double reach2 = 0.0;
   for (int i = 0; i < e.count; ++i) reach2 = std::max(reach2, e.vertices[i].squaredNorm());
   return std::sqrt(reach2);
 }
 
 Vec3 supportOf(const Element& e, const Vec3& direction) {
+  if (e.frame != nullptr && e.count == 8) {  // a box
+    const auto side = [&](int k) { return e.frame->axes.col(k).dot(direction) > 0.0 ? 1 << k : 0; };
+    return e.vertices[side(0) | side(1) | side(2)];
+  }
   if (e.vertices != nullptr) {
     int best = 0;
     double reach = e.vertices[0].dot(direction);
@@ -231,15 +227,22 @@ SupportPair Cores::support(const Vec3& direction) const {
 }
 
 Closest closestPoints(const Cores& cores, const Vec3& guess, double enough, double loss) {
+  if (SlidingPoints::fit(*cores.a.element, *cores.b.element)) return slidingClosest(cores);
+  const auto middle = [](const PosedCore& core) {
+    const Element& e = *core.element;
+    return core.place(e.frame != nullptr ? e.frame->centre : e.vertices[0]);
+  };
   Closest start;
   start.count = 1;
-  start.point[0] = cores.support(guess.squaredNorm() > 0.0 ? Vec3(-guess) : Vec3(1.0, 0.0, 0.0));
+  start.point[0] =
+      cores.support(guess.squaredNorm() > 0.0 ? Vec3(-guess) : middle(cores.a) - middle(cores.b));
   start.weight[0] = 1.0;
   return descend(cores, start, enough, loss);
 }
 
 Closest closestPoints(const Cores& cores, const Closest& before, double enough, double loss) {
   constexpr int kTetrahedron = 4;
+  if (SlidingPoints::fit(*cores.a.element, *cores.b.element)) return slidingClosest(cores);
   if (before.count == 0 || before.count == kTetrahedron) return closestPoints(cores, before.v, enough, loss);
   Closest start;
   start.count = before.count;
@@ -250,53 +253,6 @@ Closest closestPoints(const Cores& cores, const Closest& before, double enough, 
     p.w = cores.b.place(p.local_b) - cores.a.place(p.local_a);
   }
   return descend(cores, start, enough, loss);
-}
-
-Closest closestOnEdges(const Cores& cores, const Closest& hint) {
-  const bool cylinder_is_a = cores.a.element->vertices == nullptr;
-  const PosedCore &cylinder = cylinder_is_a ? cores.a : cores.b, &other = cylinder_is_a ? cores.b : cores.a;
-  Closest best;
-  if (cylinder.element->vertices != nullptr || other.element->vertices == nullptr) return best;
-  Vec3 corner[4], seen[4];  // in the other's frame and in the cylinder's
-  int count = 0;
-  for (int i = 0; i < hint.count; ++i) {
-    const Vec3& x = cylinder_is_a ? hint.point[i].local_b : hint.point[i].local_a;
-    if (std::find(corner, corner + count, x) != corner + count) continue;
-    corner[count] = x;
-    seen[count++] = cylinder.rotation->transpose() * (other.place(x) - cylinder.origin);
-  }
-  double nearest = std::numeric_limits<double>::infinity();
-  const auto offer = [&](int i, int j, double share) {
-    const Vec3 x = seen[i] + share * (seen[j] - seen[i]), p = nearestInCylinder(*cylinder.element, x);
-    const double distance = (x - p).norm();
-    if (!(distance < nearest)) return;
-    nearest = distance;
-    best.count = i == j ? 1 : 2;
-    const int ends[2] = {i, j};
-    for (int k = 0; k < best.count; ++k) {
-      const Vec3 w = *cylinder.rotation * (cylinder_is_a ? Vec3(seen[ends[k]] - p) : Vec3(p - seen[ends[k]]));
-      best.point[k] = {w, cylinder_is_a ? p : corner[ends[k]], cylinder_is_a ? corner[ends[k]] : p};
-      best.weight[k] = best.count == 1 ? 1.0 : k == 0 ? 1.0 - share : share;
-    }
-    best.v = *cylinder.rotation * (cylinder_is_a ? Vec3(x - p) : Vec3(p - x));
-  };
-  constexpr int kHalvings = 54;
-  for (int i = 0; i < count; ++i) {
-    offer(i, i, 0.0);
-    for (int j = 0; j < i; ++j) {
-      // The distance along the edge is convex; it grows along the direction from the nearest point.
-      const Vec3 edge = seen[j] - seen[i];
-      double low = 0.0, high = 1.0;
-      for (int k = 0; k < kHalvings; ++k) {
-        const double middle = 0.5 * (low + high);
-        const Vec3 x = seen[i] + middle * edge;
-        ((x - nearestInCylinder(*cylinder.element, x)).dot(edge) > 0.0 ? high : low) = middle;
-      }
-      offer(i, j, 0.5 * (low + high));
-    }
-  }
-  best.overlap = best.count > 0 && best.v.isZero(0.0);
-  return best;
 }
 
 }  // namespace collision_node::impact

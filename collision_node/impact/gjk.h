@@ -1,6 +1,6 @@
-/// Closest points of two posed convex cores (Gilbert, Johnson, Keerthi 1988). A proposal, never a proof:
-/// whatever it returns is checked by gap_model.h or contact_proof.h, so non-convergence costs speed, not
-/// correctness.
+/// Closest points of two posed convex cores (Gilbert, Johnson, Keerthi 1988), where closest_points.h has no
+/// closed form for them. A proposal, never a proof: whatever it returns is checked by gap_model.h or
+/// contact_proof.h, so non-convergence costs speed, not correctness.
 #pragma once
 
 #include "collision_node/impact/pair_piece.h"
@@ -46,7 +46,7 @@ struct Closest {
   Vec3 v = Vec3::Zero();     ///< closest point of B - A to the origin: from A to B
   Vec3 last = Vec3::Zero();  ///< overlap: v before the origin was found inside
   bool overlap = false;      ///< the origin seems to lie inside
-  bool exact = false;        ///< from a closed form: v is right to rounding
+  double sure = 0.0;  ///< > 0, from a closed form: v is right to rounding, where that is less than this [m]
 };
 
 /// Closest points of the cores. `guess` is a first direction, e.g. the last answer's v. Points that are as
@@ -55,11 +55,6 @@ Closest closestPoints(const Cores& cores, const Vec3& guess, double enough = 0.0
 
 /// The same, begun with the points that held an earlier answer for the same elements.
 Closest closestPoints(const Cores& cores, const Closest& before, double enough = 0.0, double loss = 0.0);
-
-/// A cylinder and the vertices and edges of the other core that `hint` names: their closest points to
-/// rounding, where GJK only creeps towards the rim. At most two points, both with one point of the cylinder;
-/// none (count 0) for other pairs.
-Closest closestOnEdges(const Cores& cores, const Closest& hint);
 
 /// The largest distance of a point of the element's core from its object's origin, to rounding.
 double coreReach(const Element& element);

@@ -12,7 +12,9 @@ PairSteps::PairSteps(const PairPiece& piece, const Element& a, const Element& b)
       a_(a),
       b_(b),
       reach_{coreReach(a), coreReach(b)},
-      radius_(a.radius + b.radius + piece.contact_distance) {}
+      radius_(a.radius + b.radius + piece.contact_distance) {
+  if (SlidingPoints::fit(a, b)) sliding_.emplace(a, b);
+}
 
 double PairSteps::advance(double from, double to, double stop, std::uint64_t& tests) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -25,10 +27,10 @@ double PairSteps::advance(double from, double to, double stop, std::uint64_t& te
     Axis axis, other;
     double s = triangles ? TrianglePair(piece_, now, a_, b_).apartFor(to - t, &axis) : 0.0;
     if (s < to - t && !(s > stop)) {
-      // The gap along the axis is what counts, and a hundredth less of it is as good.
-      constexpr double kLoss = 1e-2;
-      closest_ = closestPoints(Cores(now, a_, b_), closest_, radius_, kLoss);
-      const double by_points = apartFor(now, closest_, to - t, &other);
+      // The gap along the axis is what counts, and a few hundredths less of it are as good.
+      constexpr double kLoss = 3e-2;
+      const Axis through = closestAt(now, kLoss);
+      const double by_points = longest(now, through, to - t, &other);
       if (by_points > s) {
         s = by_points;
         axis = other;
@@ -45,32 +47,110 @@ double PairSteps::advance(double from, double to, double stop, std::uint64_t& te
   return t;
 }
 
-double PairSteps::apartFor(const Instant& now, const Closest& closest, double span, Axis* proved) const {
+Axis PairSteps::closestAt(const Instant& now, double loss) {
+  Axis axis;
+  if (sliding_) {
+    sliding_->find(Cores(now, a_, b_));
+    distance_ = sliding_->distance();
+    axis = sliding_->axis(piece_.motion, now);
+  } else if (!staysOnEdge(now, loss, &axis) && !staysOnRim(now, loss, &axis)) {
+    closest_ = closestPoints(Cores(now, a_, b_), closest_, radius_, loss);
+    distance_ = closest_.v.norm();
+    axis = axisOf(piece_, now, closest_, radius_ > 0.0);
+  }
+  return axis;
+}
+
+/// Where a cylinder was closest to a vertex or an edge of the other, it most often still is: then the two
+/// slide along each other, and nothing need be searched. That no other point is closer shows in the gap.
+bool PairSteps::staysOnEdge(const Instant& now, double loss, Axis* axis) {
+  const bool cylinder_is_a = a_.vertices == nullptr;
+  if (cylinder_is_a == (b_.vertices == nullptr)) return false;
+  const Element& other = cylinder_is_a ? b_ : a_;
+  Vec3 ends[2];
+  int count = 0;
+  for (int i = 0; i < closest_.count; ++i) {
+    const Vec3& x = cylinder_is_a ? closest_.point[i].local_b : closest_.point[i].local_a;
+    // Points found on a rim are opposite to any point.
+    if (std::find(other.vertices, other.vertices + other.count, x) == other.vertices + other.count)
+      return false;
+    if (std::find(ends, ends + count, x) != ends + count) continue;
+    if (count == 2) return false;
+    ends[count++] = x;
+  }
+  if (count == 0) return false;
+  Element edge;
+  edge.vertices = ends;
+  edge.count = count;
+  const Element &a = cylinder_is_a ? a_ : edge, &b = cylinder_is_a ? edge : b_;
+  SlidingPoints points(a, b);
+  const Cores cores(now, a, b);
+  points.find(cores);
+  return takeOver(points, cores, now, loss, axis);
+}
+
+/// The same of a cylinder that was closest with its rim.
+bool PairSteps::staysOnRim(const Instant& now, double loss, Axis* axis) {
+  if (!parting_.axis.valid) return false;
+  const Cores cores(now, a_, b_);
+  for (const bool rim_is_a : {true, false}) {
+    const Element &rim = rim_is_a ? a_ : b_, &other = rim_is_a ? b_ : a_;
+    if (rim.vertices != nullptr || other.frame == nullptr) continue;
+    SlidingPoints points = SlidingPoints::ofRim(a_, b_, rim_is_a);
+    if (points.findOnRim(cores, parting_.at(now.t)) && takeOver(points, cores, now, loss, axis)) return true;
+  }
+  return false;
+}
+
+bool PairSteps::takeOver(const SlidingPoints& points, const Cores& part, const Instant& now, double loss,
+                         Axis* axis) {
+  const Axis found = points.axis(piece_.motion, now);
+  if (!found.valid) return false;
+  const double gap = Cores(now, a_, b_).gapAlong(found.direction);
+  if (points.distance() - gap > loss * (points.distance() - radius_)) return false;
+  closest_ = points.closest(part);
+  distance_ = points.distance();
+  *axis = found;
+  return true;
+}
+
+double PairSteps::apartFor(const Instant& now, const Closest& closest, double span, Axis* proved) {
+  closest_ = closest;
+  distance_ = closest.v.norm();
+  Axis through;
+  if (sliding_) {
+    sliding_->find(Cores(now, a_, b_));
+    through = sliding_->axis(piece_.motion, now);
+  } else {
+    through = axisOf(piece_, now, closest, radius_ > 0.0);
+  }
+  return longest(now, through, span, proved);
+}
+
+double PairSteps::longest(const Instant& now, Axis axis, double span, Axis* proved) {
   double best = 0.0, gap = 0.0;
-  const auto propose = [&](const Axis& axis) {
-    if (!axis.valid) return;
-    const double s = impact::apartFor(GapModel(piece_, now, a_, b_, axis, reach_), span, &gap);
+  const auto propose = [&](const Axis& proposed) {
+    if (!proposed.valid) return;
+    const double s = impact::apartFor(GapModel(piece_, now, a_, b_, proposed, reach_), span, &gap);
     if (!(s > best)) return;
     best = s;
-    *proved = axis;
+    *proved = proposed;
   };
-  const bool slides = closest.exact;  // a point and a cylinder
-  Axis axis = slides ? axisToCylinder(piece_, now, a_, b_) : axisOf(piece_, now, closest, radius_ > 0.0);
   propose(axis);
   // More are tried only where the first does worse than plain advancement by the distance would.
-  const double plain = (closest.v.norm() - radius_ - 2.0 * piece_.point_error) / piece_.speed;
+  const double plain = (distance_ - radius_ - 2.0 * piece_.point_error) / piece_.speed;
   if (best >= span || !(best < 0.5 * plain || best == 0.0)) return best;
+  const Cores cores(now, a_, b_);
+  if (sliding_) closest_ = sliding_->closest(cores);
   axis.rate.setZero();
   propose(axis);
-  const double length = closest.v.norm();
-  if (length > 0.0) propose({closest.v / length, Vec3::Zero(), true});
+  if (distance_ > 0.0) propose({closest_.v / distance_, Vec3::Zero(), true});
   if (best < 0.5 * plain || best == 0.0) {
-    const Cores cores(now, a_, b_);
     for (const Axis& other : featureAxes(piece_, now, a_, b_)) {
       if (cores.gapAlong(other.direction) > radius_) propose(other);
     }
     if (best == 0.0) {
-      for (const Axis& other : rimAxes(piece_, now, a_, b_, closest)) propose(other);
+      for (const Axis& other : rimAxes(piece_, now, a_, b_, closest_)) propose(other);
     }
   }
   return best;

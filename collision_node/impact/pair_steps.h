@@ -4,7 +4,9 @@
 /// Guarantee: that of gap_model.h, for every step.
 #pragma once
 
-#include "collision_node/impact/gap_model.h"
+#include <optional>
+
+#include "collision_node/impact/closest_points.h"
 
 namespace collision_node::impact {
 
@@ -19,20 +21,32 @@ class PairSteps {
 
   /// The longest time from `now`, at most `span`, that any proposed axis proves, and that axis. `closest` are
   /// the cores' closest points.
-  double apartFor(const Instant& now, const Closest& closest, double span, Axis* proved) const;
+  double apartFor(const Instant& now, const Closest& closest, double span, Axis* proved);
 
   /// What proved the last step of advance(); an invalid axis: there was none.
   const Parting& parting() const { return parting_; }
-  /// The closest points of its last step: where a search for others may begin.
+  /// The closest points of its last step, where a search for others may begin; none where none is needed.
   const Closest& closest() const { return closest_; }
 
  private:
+  /// Finds the closest points and the axis through them. A distance that is too large by the share `loss`
+  /// will do.
+  Axis closestAt(const Instant& now, double loss);
+  bool staysOnEdge(const Instant& now, double loss, Axis* axis);
+  bool staysOnRim(const Instant& now, double loss, Axis* axis);
+  /// Takes over the points, found for a part of the pair, if no other point of it shows itself closer.
+  bool takeOver(const SlidingPoints& points, const Cores& part, const Instant& now, double loss, Axis* axis);
+  /// The best of the axis through the closest points and, where it does badly, of others.
+  double longest(const Instant& now, Axis axis, double span, Axis* proved);
+
   const PairPiece& piece_;
   const Element &a_, &b_;
   const CoreReaches reach_;
-  const double radius_;  ///< of both, with the contact distance
+  const double radius_;                   ///< of both, with the contact distance
+  std::optional<SlidingPoints> sliding_;  ///< for a pair that has closed forms
   Parting parting_;
   Closest closest_;
+  double distance_ = 0.0;  ///< of the cores at the closest points
 };
 
 }  // namespace collision_node::impact

@@ -41,8 +41,7 @@ PieceOutcome PieceRun::run() {
     state_.pending_speed = std::max(state_.pending_speed, pair_.any_speed);
     state_.pending_spin = std::max(state_.pending_spin, pair_.motion.spinA() + pair_.motion.spinB());
   }
-  std::optional<ContactWitness> witness;
-  if (start_witness_) witness = std::move(start_witness_);
+  std::optional<ContactWitness>& witness = start_witness_;  // from here on the one of the latest proof
   while (true) {
     if (options_.scope == Scope::kFirstContact && events_.size() > before) break;
     if (search_.exhausted()) {

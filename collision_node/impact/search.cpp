@@ -286,7 +286,7 @@ Proved Search::classifyPair(double t, ElementPair pair, ContactWitness* witness)
   ++node_tests_;
   Vec3 buffer_a[3], buffer_b[3];
   const Element a = piece_.a.element(pair.a, buffer_a), b = piece_.b.element(pair.b, buffer_b);
-  *witness = ContactWitness();
+  witness->clear();
   const Proved proved = classifyElements(piece_.at(t), a, b, closestAt(t, pair), *witness);
   witness->element_a = pair.a;
   witness->element_b = pair.b;
@@ -345,7 +345,7 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
     case Where::kInside:
       break;
   }
-  *witness = ContactWitness();
+  witness->clear();
   witness->point = held;
   return Proved::kContact;
 }

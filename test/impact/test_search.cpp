@@ -158,15 +158,14 @@ TEST(Search, OutOfReachIsAProof) {
 }
 
 TEST(Search, ReachBeginsAndEndsWhereReachesTouch) {
-  // Two balls of 1 m and 0.5 m on parallel lines 0.9 m apart touch while |x| <= 1.2 m; a body's reach is that
-  // of its box's corners, so they are taken to be within reach while |x| <= sqrt(3 (1.5 m)^2 - (0.9 m)^2).
+  // Two balls of 1 m and 0.5 m on parallel lines 0.9 m apart touch while |x| <= 1.2 m.
   const Piece piece{0, 1'000'000'000, moving::flight(0, 1'000'000'000, Vec3::Zero(), Vec3::Zero()),
                     moving::flight(0, 1'000'000'000, {-3.0, 0.9, 0.0}, {6.0, 0.0, 0.0})};
   const moving::Pair pair{
       {moving::placed(geometry::Sphere{1.0})}, {moving::placed(geometry::Sphere{0.5})}, piece};
   Workspace workspace;
   const Span reach = Search(pair.solver, kPlenty, workspace).withinReach();
-  const double half = std::sqrt(3.0 * 1.5 * 1.5 - 0.9 * 0.9) / 6.0;
+  const double half = 1.2 / 6.0;
   EXPECT_LE(reach.low, 0.3);
   EXPECT_NEAR(reach.low, 0.5 - half, 1e-6);
   EXPECT_GE(reach.high, 0.7);
