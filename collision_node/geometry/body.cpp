@@ -55,9 +55,9 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   std::vector<std::int32_t> first_vertex_of;  // of a primitive; -1 for a cylinder
   for (std::size_t s = 0; s < shapes_.size(); ++s) {
     const Pose& origin = shapes_[s].origin;
-    // A rotated coordinate and its sum with the origin: under sixteen roundings of terms of this size.
+    double farthest2 = -1.0;  // of what is placed
     const auto place = [&](const Vec3& p) {
-      placing_error_ = std::max(placing_error_, 1.8e-15 * (p.norm() + origin.position.norm()));
+      farthest2 = std::max(farthest2, p.squaredNorm());
       return origin * p;
     };
     const auto addVertices = [&](const std::vector<Vec3>& points, double radius) {
@@ -101,8 +101,10 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
     } else {
       const TriangleMesh& mesh = *std::get<Mesh>(shape).mesh;
       const auto first_vertex = static_cast<std::int32_t>(vertices_.size());
+      vertices_.reserve(vertices_.size() + mesh.vertices.size());
       for (const Vec3& p : mesh.vertices) vertices_.push_back(place(p));
       first_triangle_of_shape_[s] = static_cast<std::int32_t>(triangles_.size());
+      triangles_.reserve(triangles_.size() + mesh.triangles.size());
       std::vector<int> parent(mesh.vertices.size());
       std::iota(parent.begin(), parent.end(), 0);
       for (const auto& t : mesh.triangles) {
@@ -120,6 +122,10 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       }
       if (mesh.solid) solids_.push_back(static_cast<int>(s));
     }
+    // A rotated coordinate and its sum with the origin: under sixteen roundings of terms of this size.
+    if (farthest2 >= 0.0) {
+      placing_error_ = std::max(placing_error_, 1.8e-15 * (std::sqrt(farthest2) + origin.position.norm()));
+    }
   }
 
   triangle_count_ = static_cast<std::int32_t>(triangles_.size());
@@ -128,16 +134,21 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   }
   std::vector<Bounds> boxes;
   boxes.reserve(elementCount());
-  Vec3 buffer[3];
-  for (std::int32_t id = 0; id < elementCount(); ++id) boxes.push_back(boundsOf(element(id, buffer)));
+  for (const Triangle& t : triangles_) {
+    const Vec3 &a = vertices_[t.v[0]], &b = vertices_[t.v[1]], &c = vertices_[t.v[2]];
+    boxes.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
+  }
+  for (const Element& e : primitives_) boxes.push_back(boundsOf(e));
   if (boxes.empty()) throw std::invalid_argument("a body needs at least one triangle or primitive");
   bvh_ = Bvh(boxes);
   storeInOrderOfTheTree();
 
   // The sphere about the root box's centre; |v - c| of the outermost vertex, not the box's diagonal.
   const Vec3 c = centre();
-  for (const Vec3& v : vertices_) radius_ = std::max(radius_, (v - c).norm());
-  for (const Vec3& v : primitive_vertices_) radius_ = std::max(radius_, (v - c).norm());
+  double radius2 = 0.0;
+  for (const Vec3& v : vertices_) radius2 = std::max(radius2, (v - c).squaredNorm());
+  for (const Vec3& v : primitive_vertices_) radius2 = std::max(radius2, (v - c).squaredNorm());
+  radius_ = std::sqrt(radius2);
   double grown = 0.0;
   for (const Element& e : primitives_) {
     grown = std::max(grown, e.radius);

@@ -5,70 +5,28 @@
 #include <cstring>
 #include <limits>
 
+#include "collision_node/geometry/grid_order.h"
 #include "collision_node/geometry/round_to_float.h"
 
 namespace collision_node::geometry {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-typedef float Four __attribute__((vector_size(16)));
-
-/// A box of floats, one register a side; the last lanes are not looked at.
-struct Box {
-  Four lower = {kInfinity, kInfinity, kInfinity, kInfinity};
-  Four upper = {-kInfinity, -kInfinity, -kInfinity, -kInfinity};
-
-  void add(const Box& o) {
-    lower = o.lower < lower ? o.lower : lower;
-    upper = o.upper > upper ? o.upper : upper;
-  }
-  float halfArea() const {
-    const float x = upper[0] - lower[0], y = upper[1] - lower[1], z = upper[2] - lower[2];
-    return x * y + y * z + z * x;
-  }
-  float twiceCentre(int axis) const { return lower[axis] + upper[axis]; }
-  int longestAxis() const {
-    int axis = 0;
-    for (int k = 1; k < 3; ++k) {
-      if (upper[k] - lower[k] > upper[axis] - lower[axis]) axis = k;
-    }
-    return axis;
-  }
-};
-
-/// An element's box, with its number in a lane that nobody looks at: two to a line of the cache.
-struct alignas(32) Entry {
-  Box box;
-
-  void setElement(std::int32_t element) {
-    float bits;
-    std::memcpy(&bits, &element, sizeof bits);
-    box.upper[3] = bits;
-  }
-  std::int32_t element() const {
-    std::int32_t element;
-    std::memcpy(&element, reinterpret_cast<const char*>(&box.upper) + 12, sizeof element);
-    return element;
-  }
-};
 
 /// Boxes of the entries of a range, by where their centres lie along the range's longest axis.
 struct Bins {
   static constexpr int kMost = 16;
   int axis = 0, count = 0;  ///< count 0: not used
   float low = 0.0F, scale = 0.0F;
-  Box box[kMost];
+  FloatBox box[kMost];
   std::int32_t held[kMost];
 
-  void prepare(const Box& all, std::size_t entries) {
+  void prepare(const FloatBox& all, std::size_t entries) {
     axis = all.longestAxis();
     low = 2.0F * all.lower[axis];
     const float extent = 2.0F * (all.upper[axis] - all.lower[axis]);
     count = entries < 32 ? 8 : kMost;
     scale = static_cast<float>(count) / extent;
-    if (!(scale < kInfinity)) scale = 0.0F;
-    std::fill(box, box + count, Box());
+    if (!(scale < FloatBox::kFar)) scale = 0.0F;
+    std::fill(box, box + count, FloatBox());
     std::fill(held, held + count, 0);
   }
   int of(const Entry& e) const {
@@ -84,13 +42,14 @@ struct Bins {
 /// Entries [begin, end) and the box around them.
 struct Part {
   std::size_t begin = 0, end = 0;
-  Box box;
+  FloatBox box;
 
   std::size_t count() const { return end - begin; }
 };
 
-/// Many entries, and how they lie in the box.
+/// Many entries, and how they lie in the box; not counted where a split is known.
 struct Range : Part {
+  std::int32_t known = GridOrder::kNone;
   Bins bins;
 };
 
@@ -100,16 +59,19 @@ template <typename Holds>
 class Builder {
  public:
   Builder(std::vector<Entry>& entries, const Vec3& origin, std::vector<BvhBlock>& blocks, Holds holds)
-      : entries_(entries),
-        aside_(entries.size()),
-        origin_(origin),
-        blocks_(blocks),
-        holds_(std::move(holds)) {
+      : entries_(entries), aside_(entries.size()), blocks_(blocks), holds_(std::move(holds)) {
+    for (int k = 0; k < 3; ++k) {
+      near_origin_[k] = static_cast<float>(origin[k]);
+      origin_error_[k] = std::abs(near_origin_[k]) * 0x1p-22F;
+    }
     blocks_.reserve(entries.size() / 2 + 2);
     Range all;
     all.end = entries.size();
     for (const Entry& e : entries) all.box.add(e.box);
-    if (all.count() > kFew) countBins(all);
+    const GridOrder grid(entries_, aside_, all.box);
+    grid_ = &grid;
+    all.known = grid.root();
+    countBins(all);
     addBlock();
     setNode(0, 0, all);
   }
@@ -118,34 +80,35 @@ class Builder {
   static constexpr std::size_t kWidth = BvhBlock::kWidth, kFew = 16;
 
   std::int32_t addBlock() {
-    BvhBlock empty;
-    for (int i = 0; i < BvhBlock::kWidth; ++i) {
-      for (int k = 0; k < 3; ++k) {
-        empty.centre[k][i] = 0.0F;
-        empty.half[k][i] = -0.25F * std::numeric_limits<float>::max();
-      }
-      for (int k = 0; k < 3; ++k) empty.plate[k][i] = 0;
-      empty.plate_middle[i] = empty.plate_half[i] = empty.reach[i] = 0.0F;
-      empty.link[i] = -1;
-    }
+    static const BvhBlock empty = [] {
+      BvhBlock block{};
+      for (float(&half)[BvhBlock::kWidth] : block.half)
+        std::fill(half, half + BvhBlock::kWidth, -0.25F * std::numeric_limits<float>::max());
+      std::fill(block.link, block.link + BvhBlock::kWidth, -1);
+      return block;
+    }();
     blocks_.push_back(empty);
     return static_cast<std::int32_t>(blocks_.size()) - 1;
   }
 
-  /// Sets box and reach; returns the node's number.
-  void setBox(std::int32_t block, int lane, const Box& box, std::size_t begin, std::size_t end) {
+  /// Sets box and reach. A difference or a sum of two floats is off by 2^-24 of itself at most, and the
+  /// origin, as a float, by that of itself. Each is given four times that.
+  void setBox(std::int32_t block, int lane, const FloatBox& box, std::size_t begin, std::size_t end) {
     holds_(BvhBlock::kWidth * block + lane, begin, end);
+    const FourFloats centre = 0.5F * box.lower + 0.5F * box.upper;
+    const FourFloats above = box.upper - centre, below = centre - box.lower;
+    FourFloats half = above > below ? above : below;
+    half += half * 0x1p-22F;
+    const FourFloats lower = near_origin_ + box.lower, upper = near_origin_ + box.upper;
+    const FourFloats far = (upper > -lower ? upper : -lower) + origin_error_;
+    BvhBlock& b = blocks_[block];
     double reach2 = 0.0;
     for (int k = 0; k < 3; ++k) {
-      const double lower = box.lower[k], upper = box.upper[k];
-      const auto centre = static_cast<float>(0.5 * (lower + upper));
-      const double c = centre;
-      blocks_[block].centre[k][lane] = centre;
-      blocks_[block].half[k][lane] = roundedUp(std::max(upper - c, c - lower) * (1.0 + 1e-15));
-      const double far = std::max(std::abs(origin_[k] + lower), std::abs(origin_[k] + upper));
-      reach2 += far * far;
+      b.centre[k][lane] = centre[k];
+      b.half[k][lane] = half[k];
+      reach2 += static_cast<double>(far[k]) * static_cast<double>(far[k]);
     }
-    blocks_[block].reach[lane] = roundedUp(std::sqrt(reach2) * (1.0 + 1e-15));
+    b.reach[lane] = roundedUp(std::sqrt(reach2) * (1.0 + 0x1p-22));
   }
 
   /// Sets box, reach and link, and builds what lies below.
@@ -196,6 +159,7 @@ class Builder {
   }
 
   void countBins(Range& range) {
+    if (range.count() <= kFew || range.known != GridOrder::kNone) return;
     range.bins.prepare(range.box, range.count());
     for (std::size_t i = range.begin; i < range.end; ++i) range.bins.add(entries_[i]);
   }
@@ -204,8 +168,23 @@ class Builder {
   void halve(Range& range, Range& behind) {
     if (range.count() <= kFew) {
       halve(static_cast<Part&>(range), static_cast<Part&>(behind));
+    } else if (range.known != GridOrder::kNone) {
+      halveAsKnown(range, behind);
     } else if (!halveByArea(range, behind)) {
       halveByCount(range, behind);
+    }
+  }
+
+  void halveAsKnown(Range& range, Range& behind) {
+    const GridOrder::Split& split = (*grid_)[range.known];
+    behind.begin = split.middle;
+    behind.end = range.end;
+    range.end = split.middle;
+    Range* const halves[2] = {&range, &behind};
+    for (int i = 0; i < 2; ++i) {
+      halves[i]->box = split.box[i];
+      halves[i]->known = split.below[i];
+      countBins(*halves[i]);
     }
   }
 
@@ -221,14 +200,14 @@ class Builder {
       for (; place > 0 && before(moved, e[place - 1]); --place) e[place] = e[place - 1];
       e[place] = moved;
     }
-    Box after[kFew];  // everything from entry i on
+    FloatBox after[kFew];  // everything from entry i on
     after[count - 1] = e[count - 1].box;
     for (std::size_t i = count - 1; i > 0; --i) {
       after[i - 1] = after[i];
       after[i - 1].add(e[i - 1].box);
     }
-    Box first;
-    float best = kInfinity;
+    FloatBox first;
+    float best = FloatBox::kFar;
     std::size_t left = 0;
     for (std::size_t i = 0; i + 1 < count; ++i) {
       first.add(e[i].box);
@@ -262,16 +241,16 @@ class Builder {
     behind.end = range.end;
     range.end = middle;
     for (Range* half : {&range, &behind}) {
-      half->box = Box();
+      half->box = FloatBox();
       for (std::size_t i = half->begin; i < half->end; ++i) half->box.add(entries_[i].box);
-      if (half->count() > kFew) countBins(*half);
+      countBins(*half);
     }
   }
 
   /// False where all centres lie in one bin.
   bool halveByArea(Range& range, Range& behind) {
     const Bins bins = range.bins;
-    Box after[Bins::kMost];  // everything in bin b and behind it
+    FloatBox after[Bins::kMost];  // everything in bin b and behind it
     std::int32_t count_after[Bins::kMost];
     after[bins.count - 1] = bins.box[bins.count - 1];
     count_after[bins.count - 1] = bins.held[bins.count - 1];
@@ -280,10 +259,10 @@ class Builder {
       after[b].add(bins.box[b]);
       count_after[b] = count_after[b + 1] + bins.held[b];
     }
-    Box sweep;
+    FloatBox sweep;
     std::int32_t count = 0, left = 0;
     int best_bin = -1;
-    float best = kInfinity;
+    float best = FloatBox::kFar;
     for (int b = 0; b + 1 < bins.count; ++b) {
       sweep.add(bins.box[b]);
       count += bins.held[b];
@@ -320,7 +299,8 @@ class Builder {
 
   std::vector<Entry>& entries_;
   std::vector<Entry> aside_;
-  const Vec3 origin_;
+  const GridOrder* grid_ = nullptr;  ///< while the constructor runs
+  FourFloats near_origin_ = {}, origin_error_ = {};
   std::vector<BvhBlock>& blocks_;
   const Holds holds_;
 };
@@ -358,6 +338,7 @@ Bvh::Bvh(const std::vector<Bounds>& boxes) {
 }
 
 void Bvh::renumber(const std::vector<std::int32_t>& new_id) {
+  for (std::int32_t& element : order_) element = new_id[element];
   for (BvhBlock& block : blocks_) {
     for (int i = 0; i < BvhBlock::kWidth; ++i) {
       if (block.half[0][i] >= 0.0F && block.link[i] < 0) block.link[i] = ~new_id[~block.link[i]];

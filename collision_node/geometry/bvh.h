@@ -3,7 +3,7 @@
 ///
 /// Guarantee: every node's box, and its reach, hold what they were built from in exact arithmetic: boxes are
 /// floats relative to the hierarchy's own origin, rounded outward. Source of the build: Wald 2007, binned
-/// surface area heuristic.
+/// surface area heuristic; upper levels of large bodies between the cells of a grid (grid_order.h).
 #pragma once
 
 #include <array>
@@ -74,9 +74,8 @@ class Bvh {
   const std::vector<std::int32_t>& order() const { return order_; }
   /// Element i is called new_id[i] from now on.
   void renumber(const std::vector<std::int32_t>& new_id);
-  /// Gives a plate to every node that holds nothing but triangles, and not too many of them. `corners(i)` are
-  /// the three corners of element i, or null when it is no triangle. May be called once, after renumber();
-  /// ends order().
+  /// Gives a plate to every node that holds nothing but triangles. `corners(i)` are the three corners of
+  /// element i, or null when it is no triangle. May be called once, after renumber(); ends order().
   using Corners = std::array<const Vec3*, 3>;
   void addPlates(const std::function<Corners(std::int32_t)>& corners);
 

@@ -1,118 +1,144 @@
 /// Plates of a Bvh: planes on either side of what lies below a node.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "collision_node/geometry/bvh.h"
-#include "collision_node/geometry/round_to_float.h"
 
 namespace collision_node::geometry {
 namespace {
 
-/// The corners of triangles in a given order, each vertex once, in the order of their first use.
-struct Points {
-  Points(const std::vector<std::int32_t>& order, const Vec3& origin,
-         const std::function<Bvh::Corners(std::int32_t)>& corners) {
-    normals.reserve(order.size() + 1);
-    others.reserve(order.size() + 1);
-    first.reserve(order.size() + 1);
-    used.reserve(3 * order.size());
-    places.reserve(order.size());
-    std::vector<Bvh::Corners> triangles;
-    triangles.reserve(order.size());
-    const Vec3 *lowest = nullptr, *highest = nullptr;  // of the one array that all corners lie in
-    for (const std::int32_t element : order) {
-      triangles.push_back(corners(element));
-      if (triangles.back()[0] == nullptr) continue;
-      for (const Vec3* p : triangles.back()) {
-        if (lowest == nullptr) lowest = highest = p;
-        lowest = std::min(lowest, p);
-        highest = std::max(highest, p);
-      }
-    }
-    std::vector<std::int32_t> number(lowest == nullptr ? 0 : highest - lowest + 1, -1);
-    normals.push_back(Vec3::Zero());
-    others.push_back(0);
-    for (const Bvh::Corners& t : triangles) {
-      first.push_back(static_cast<std::int32_t>(places.size()));
+constexpr int kWidth = BvhBlock::kWidth;
+
+using Floats = float __attribute__((vector_size(16)));
+
+Floats load(const float* from) {
+  Floats x;
+  std::memcpy(&x, from, sizeof x);
+  return x;
+}
+
+Floats larger(const Floats& x, const Floats& y) { return x > y ? x : y; }
+Floats smaller(const Floats& x, const Floats& y) { return x < y ? x : y; }
+Floats magnitude(const Floats& x) { return x < 0.0F ? -x : x; }
+
+/// The triangles in their order, side by side.
+class Triangles {
+ public:
+  Triangles(const std::vector<std::int32_t>& order, const Vec3& origin,
+            const std::function<Bvh::Corners(std::int32_t)>& corners)
+      : stride_(order.size() + kWidth),
+        at_(9 * stride_),
+        normals_(order.size() + 1, Vec3::Zero()),
+        others_(order.size() + 1) {
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const Bvh::Corners t = corners(order[i]);
       const bool triangle = t[0] != nullptr;
-      others.push_back(others.back() + (triangle ? 0 : 1));
-      normals.push_back(triangle ? Vec3(normals.back() + (*t[1] - *t[0]).cross(*t[2] - *t[0]))
-                                 : normals.back());
-      if (!triangle) {
-        used.insert(used.end(), 3, -1);
-        continue;
+      others_[i + 1] = others_[i] + (triangle ? 0 : 1);
+      normals_[i + 1] = normals_[i];
+      if (!triangle) continue;
+      normals_[i + 1] += (*t[1] - *t[0]).cross(*t[2] - *t[0]);
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        const Vec3 x = *t[corner] - origin;
+        for (std::size_t k = 0; k < 3; ++k) at_[(3 * corner + k) * stride_ + i] = static_cast<float>(x[k]);
       }
-      for (const Vec3* p : t) {
-        std::int32_t& n = number[static_cast<std::size_t>(p - lowest)];
-        if (n < 0) {
-          n = static_cast<std::int32_t>(places.size());
-          places.push_back(*p - origin);
-        }
-        used.push_back(n);
-      }
-    }
-    first.push_back(static_cast<std::int32_t>(places.size()));
-  }
-
-  /// Every vertex of [begin, end), triangles only: those first used there lie together, the others are looked
-  /// up.
-  template <typename See>
-  void forEach(std::int32_t begin, std::int32_t end, const See& see) const {
-    for (std::int32_t i = first[begin]; i < first[end]; ++i) see(places[i]);
-    for (std::int32_t i = 3 * begin; i < 3 * end; ++i) {
-      if (used[i] < first[begin]) see(places[used[i]]);
     }
   }
 
-  // Sums of normals, and counts of what is no triangle, up to each: those of a node are a difference of two.
-  // Rounding only tilts the plate.
-  std::vector<Vec3> normals;
-  std::vector<std::int32_t> others;
+  bool only(std::int32_t begin, std::int32_t end) const { return others_[end] == others_[begin]; }
+  /// Sum of normals, each as long as twice its triangle's area. Rounding only tilts the plate.
+  Vec3 normal(std::int32_t begin, std::int32_t end) const { return normals_[end] - normals_[begin]; }
+  /// A corner of four triangles, relative to the origin.
+  void corner(std::int32_t first, int corner, Floats x[3]) const {
+    for (int k = 0; k < 3; ++k) x[k] = load(&at_[(3 * corner + k) * stride_ + first]);
+  }
 
  private:
-  std::vector<Vec3> places;         ///< relative to the origin
-  std::vector<std::int32_t> first;  ///< how many places were used before a triangle
-  std::vector<std::int32_t> used;   ///< three numbers of places for each triangle, -1 for what is none
+  std::size_t stride_;
+  std::vector<float> at_;             ///< all x of first corners, all y, ...; rounded to float
+  std::vector<Vec3> normals_;         ///< sums of normals up to each
+  std::vector<std::int32_t> others_;  ///< counts of what is no triangle up to each
 };
+
+/// The least and the largest height of the corners along the axes, rounded in float, lane by lane.
+void widen(const Triangles& triangles, std::int32_t first, const Floats axis[3], Floats& low, Floats& high) {
+  for (int corner = 0; corner < 3; ++corner) {
+    Floats x[3];
+    triangles.corner(first, corner, x);
+    const Floats along = (axis[0] * x[0] + axis[1] * x[1]) + axis[2] * x[2];
+    low = smaller(along, low);
+    high = larger(along, high);
+  }
+}
+
+/// Gives the block's lanes plates across the mean normals of their triangles.
+void setPlates(BvhBlock& block, const Triangles& triangles, const std::int32_t begin[kWidth],
+               const std::int32_t end[kWidth]) {
+  // Any direction is sound; short ones keep |plate| below its limit.
+  Floats axis[3] = {};
+  for (int lane = 0; lane < kWidth; ++lane) {
+    if (begin[lane] == end[lane] || !triangles.only(begin[lane], end[lane])) continue;
+    const Vec3 normal = triangles.normal(begin[lane], end[lane]);
+    const double length = normal.norm();
+    if (!(length > 0.0)) continue;
+    const double scale = (kPlateLength - 1.0) / length;
+    for (int k = 0; k < 3; ++k) {
+      const double wanted = normal[k] * scale;
+      block.plate[k][lane] = static_cast<std::int8_t>(wanted + (wanted < 0.0 ? -0.5 : 0.5));
+      axis[k][lane] = block.plate[k][lane];
+    }
+  }
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  Floats low = kFar - Floats{}, high = -low;
+  bool leaves = true;
+  for (int lane = 0; lane < kWidth; ++lane)
+    leaves = leaves &&
+             (begin[lane] == end[lane] || (end[lane] == begin[lane] + 1 && begin[lane] == begin[0] + lane));
+  if (leaves) {
+    widen(triangles, begin[0], axis, low, high);
+  } else {
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const Floats all[3] = {axis[0][lane] - Floats{}, axis[1][lane] - Floats{}, axis[2][lane] - Floats{}};
+      Floats least = kFar - Floats{}, most = -least;
+      std::int32_t first = begin[lane];
+      for (; first + kWidth <= end[lane]; first += kWidth) widen(triangles, first, all, least, most);
+      for (; first < end[lane]; ++first) {
+        Floats one_low = kFar - Floats{}, one_high = -one_low;
+        widen(triangles, first, all, one_low, one_high);
+        least[0] = std::min(least[0], one_low[0]);
+        most[0] = std::max(most[0], one_high[0]);
+      }
+      low[lane] = std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
+      high[lane] = std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
+    }
+  }
+  // A corner's difference from the origin is rounded to float, and so are three products and two sums: in all
+  // four roundings of at most 2^-24 |axis_k x_k| in each coordinate, x within the node's box, and one more of
+  // the middle. Twelve hold them and this sum's own; the last term holds what is lost near zero.
+  Floats size = {};
+  for (int k = 0; k < 3; ++k)
+    size += magnitude(axis[k]) * (magnitude(load(block.centre[k])) + load(block.half[k]));
+  const Floats middle = 0.5F * low + 0.5F * high;
+  const Floats half = larger(high - middle, middle - low) + 12.0F * 0x1p-24F * size + 1e-42F;
+  for (int lane = 0; lane < kWidth; ++lane) {
+    if (axis[0][lane] == 0.0F && axis[1][lane] == 0.0F && axis[2][lane] == 0.0F) continue;
+    block.plate_middle[lane] = middle[lane];
+    block.plate_half[lane] = half[lane];
+  }
+}
 
 }  // namespace
 
 void Bvh::addPlates(const std::function<Corners(std::int32_t)>& corners) {
-  constexpr std::int32_t kMost = 1024;  // larger parts of a surface are rarely flat
-  for (std::int32_t node = 0; node < size(); ++node) {
-    if (exists(node) && (*this)[node].leaf()) order_[held_[node].begin] = (*this)[node].element();
-  }
-  const Points points(order_, origin_, corners);
-  for (std::int32_t node = 0; node < size(); ++node) {
-    const Held held = held_[node];
-    if (held.end == held.begin || held.end - held.begin > kMost) continue;
-    const Vec3 normal = points.normals[held.end] - points.normals[held.begin];
-    const double length = normal.norm();
-    if (points.others[held.end] != points.others[held.begin] || !(length > 0.0)) continue;
-    // Any direction is sound; short ones keep |plate| below its limit.
-    Vec3 axis = normal * ((kPlateLength - 1.0) / length);
-    for (double& part : axis) part = static_cast<std::int8_t>(part + (part < 0.0 ? -0.5 : 0.5));
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    points.forEach(held.begin, held.end, [&](const Vec3& x) {
-      const double along = axis.dot(x);
-      low = std::min(low, along);
-      high = std::max(high, along);
-    });
-    // Each `along` is a sum of three rounded products of rounded differences, of points within the node's
-    // box.
-    BvhBlock& block = blocks_[node / BvhBlock::kWidth];
-    const int lane = node % BvhBlock::kWidth;
-    double scale = 0.0;
-    for (int k = 0; k < 3; ++k) {
-      const double far = std::abs(block.centre[k][lane]) + block.half[k][lane];
-      scale += far * far;
+  const Triangles triangles(order_, origin_, corners);
+  for (std::size_t block = 0; block < blocks_.size(); ++block) {
+    std::int32_t begin[kWidth], end[kWidth];
+    for (std::size_t lane = 0; lane < kWidth; ++lane) {
+      begin[lane] = held_[kWidth * block + lane].begin;
+      end[lane] = held_[kWidth * block + lane].end;
     }
-    const double rounding = 16.0 * 1.2e-16 * kPlateLength * std::sqrt(scale);
-    for (int k = 0; k < 3; ++k) block.plate[k][lane] = static_cast<std::int8_t>(axis[k]);
-    block.plate_middle[lane] = static_cast<float>(0.5 * (low + high));
-    const double middle = block.plate_middle[lane];
-    block.plate_half[lane] = roundedUp(std::max(high - middle, middle - low) + rounding);
+    setPlates(blocks_[block], triangles, begin, end);
   }
   order_ = std::vector<std::int32_t>();  // gives the memory back
   held_ = std::vector<Held>();

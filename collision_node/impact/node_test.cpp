@@ -2,157 +2,126 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <limits>
+
+#include "collision_node/impact/four_doubles.h"
 
 namespace collision_node::impact {
 namespace {
 
 constexpr double kUp = 1.0 + 64.0 * kUnit;
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 constexpr int kWidth = geometry::BvhBlock::kWidth;
+static_assert(kWidth == kFour);  // all children of a node side by side
 
-/// All children of a node side by side.
-using Lanes = double __attribute__((vector_size(kWidth * sizeof(double))));
-using Floats = float __attribute__((vector_size(kWidth * sizeof(float))));
-
-// The compiler makes one version for any 64-bit machine and one for wide registers, and the loader picks. No
-// product is ever fused with a sum, so both give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define COLLISION_NODE_ANY_WIDTH __attribute__((target_clones("avx2", "default")))
-#else
-#define COLLISION_NODE_ANY_WIDTH
-#endif
-#define COLLISION_NODE_INLINE inline __attribute__((always_inline))
-
-COLLISION_NODE_INLINE void load(const float from[kWidth], Lanes& to) {
+COLLISION_NODE_INLINE Four load(const float from[kWidth]) {
+  using Floats = float __attribute__((vector_size(kWidth * sizeof(float))));
   Floats f;
   std::memcpy(&f, from, sizeof f);
-  to = __builtin_convertvector(f, Lanes);
+  return __builtin_convertvector(f, Four);
 }
 
-COLLISION_NODE_INLINE void load(const std::int8_t from[kWidth], Lanes& to) {
-  for (int i = 0; i < kWidth; ++i) to[i] = from[i];
+COLLISION_NODE_INLINE Four load(const std::int8_t from[kWidth]) {
+  using Bytes = std::int8_t __attribute__((vector_size(kWidth)));
+  using Wholes = std::int32_t __attribute__((vector_size(kWidth * sizeof(std::int32_t))));
+  Bytes b;
+  std::memcpy(&b, from, sizeof b);
+  return __builtin_convertvector(__builtin_convertvector(b, Wholes), Four);
 }
 
-/// sum += |x| scale
-template <typename Scale>
-COLLISION_NODE_INLINE void addMagnitude(const Lanes& x, const Scale& scale, Lanes& sum) {
-  sum += (x < 0.0 ? -x : x) * scale;
-}
+/// The times at which |d + w s| <= e, narrowed further: from `low` to `high`.
+struct Times {
+  Four low = -kInfinity - Four{}, high = kInfinity - Four{};
 
-/// Narrows [low, high] to where |d + w s| <= e. Written so that NaN cuts nothing off, and that w = 0 gives
-/// quotients of infinite size: of different signs while |d| < e, else of one sign, which leaves nothing.
-COLLISION_NODE_INLINE void clipAxis(const Lanes& d, Lanes& w, const Lanes& e, double pad, Lanes& low,
-                                    Lanes& high) {
-  w += 0.0;  // makes -0 a +0
-  const Lanes inverse = 1.0 / w;
-  const Lanes first = (-e - d) * inverse, second = (e - d) * inverse;
-  const Lanes near = (w < 0.0 ? second : first) - pad, far = (w < 0.0 ? first : second) + pad;
-  low = near > low ? near : low;
-  high = far < high ? far : high;
-}
+  /// Written so that NaN cuts nothing off, and that w = 0 gives quotients of infinite size: of different
+  /// signs while |d| < e, else of one sign, which leaves nothing.
+  COLLISION_NODE_INLINE void clip(const Four& d, const Four& w, const Four& e) {
+    const Four inverse = -1.0 / w;
+    const Four ahead = withSign(e, w);  // e where w moves up, -e where down
+    const Four near = (d + ahead) * inverse, far = (d - ahead) * inverse;
+    low = larger(near, low);
+    high = smaller(far, high);
+  }
+};
 
-COLLISION_NODE_INLINE double times(const double row[3], const float c[3]) {
-  return (row[0] * c[0] + row[1] * c[1]) + row[2] * c[2];
-}
-
-COLLISION_NODE_INLINE double times(const float n[3], const double x[3]) {
-  return (n[0] * x[0] + n[1] * x[1]) + n[2] * x[2];
-}
-
-/// Column k of n^T Q.
-COLLISION_NODE_INLINE double along(const float n[3], const double q[3][3], int k) {
-  return (n[0] * q[0][k] + n[1] * q[1][k]) + n[2] * q[2][k];
+/// rows[0] x[0] + rows[1] x[1] + rows[2] x[2]
+template <typename Number>
+COLLISION_NODE_INLINE Four combined(const double rows[3][kWidth], const Number x[3]) {
+  return (loadFour(rows[0]) * x[0] + loadFour(rows[1]) * x[1]) + loadFour(rows[2]) * x[2];
 }
 
 constexpr double kTiny = 1e-30;  ///< keeps the quotient of two zeros at zero
 
-/// The children are seen from the frame of `fixed` by `in_fixed`; `in_moving` is the other way round.
+/// The children are seen from the frame of `fixed_node` by `in_fixed`; `in_moving` is the other way round,
+/// and its matrices are the transposed ones. Returns in which lanes time is left.
 COLLISION_NODE_ANY_WIDTH
-void clipBlock(const Slab& slab, const SlabView& in_fixed, const SlabView& in_moving,
-               const geometry::BvhNode& fixed, const geometry::BvhBlock& moving, double grown, double pad,
-               double low_in, double high_in, double low_out[kWidth], double high_out[kWidth]) {
+unsigned clipBlock(const Slab& slab, const SlabView& in_fixed, const SlabView& in_moving,
+                   const geometry::BvhNode& fixed_node, const geometry::BvhBlock& moving, double grown,
+                   double pad, Span span, Span clipped[kWidth]) {
   const double bend = 0.5 * slab.half * slab.half * kUp;
-  Lanes low = low_in - Lanes{}, high = high_in - Lanes{};
-  Lanes c[3], h[3], reach;
+  const double centre[3] = {fixed_node.centre[0], fixed_node.centre[1], fixed_node.centre[2]};
+  const double half[3] = {fixed_node.half[0], fixed_node.half[1], fixed_node.half[2]};
+  Four c[3], h[3];
   for (int k = 0; k < 3; ++k) {
-    load(moving.centre[k], c[k]);
-    load(moving.half[k], h[k]);
+    c[k] = load(moving.centre[k]);
+    h[k] = load(moving.half[k]);
   }
-  load(moving.reach, reach);
-  const Lanes extra = grown + bend * (in_fixed.bend + slab.bend_q * reach);
+  Times times;
+
+  // Across the faces of the fixed box.
+  const Four extra = grown + bend * (in_fixed.bend + slab.bend_q * load(moving.reach));
+  Four place[3], rate[3];  // of the children's centres
   for (int k = 0; k < 3; ++k) {
-    const double *q0 = in_fixed.q0[k], *q1 = in_fixed.q1[k], *x = in_fixed.extent[k];
-    const Lanes d = (in_fixed.p0[k] + ((q0[0] * c[0] + q0[1] * c[1]) + q0[2] * c[2])) - fixed.centre[k];
-    Lanes w = in_fixed.p1[k] + ((q1[0] * c[0] + q1[1] * c[1]) + q1[2] * c[2]);
-    const Lanes e = (fixed.half[k] + ((x[0] * h[0] + x[1] * h[1]) + x[2] * h[2])) * kUp + extra;
-    clipAxis(d, w, e, pad, low, high);
-  }
-  const double back_extra = grown + bend * (in_moving.bend + slab.bend_q * fixed.reach);
-  for (int k = 0; k < 3; ++k) {
-    const Lanes d = (in_moving.p0[k] + times(in_moving.q0[k], fixed.centre)) - c[k];
-    Lanes w = (in_moving.p1[k] + times(in_moving.q1[k], fixed.centre)) - Lanes{};
-    const Lanes e = (h[k] + times(in_moving.extent[k], fixed.half)) * kUp + back_extra;
-    clipAxis(d, w, e, pad, low, high);
+    place[k] = in_fixed.p0[k] + dotOf(in_fixed.q0[k], c);
+    rate[k] = in_fixed.p1[k] + dotOf(in_fixed.q1[k], c);
+    times.clip(place[k] - centre[k], rate[k], (half[k] + dotOf(in_fixed.extent[k], h)) * kUp + extra);
   }
 
+  // Across those of the children. Lane k is axis k here.
+  const double back_extra = grown + bend * (in_moving.bend + slab.bend_q * fixed_node.reach);
+  const Four back_place = loadFour(in_moving.p0) + combined(in_fixed.q0, centre);
+  const Four back_rate = loadFour(in_moving.p1) + combined(in_fixed.q1, centre);
+  const Four back_half = combined(in_fixed.extent, half);
+  for (int k = 0; k < 3; ++k)
+    times.clip(back_place[k] - c[k], back_rate[k] - Four{}, (h[k] + back_half[k]) * kUp + back_extra);
+
   // Across the plates. A zero plate has levels and extents of zero, and the allowance lets everything pass.
-  Lanes n[3], middle, thick;
-  for (int k = 0; k < 3; ++k) load(moving.plate[k], n[k]);
-  load(moving.plate_middle, middle);
-  load(moving.plate_half, thick);
-  {
-    const float* m = fixed.plate;
-    const double m2 = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
-    double v0[3], v1[3];
-    for (int k = 0; k < 3; ++k) {
-      v0[k] = along(m, in_fixed.q0, k);
-      v1[k] = along(m, in_fixed.q1, k);
-    }
-    const Lanes n2 = (n[0] * n[0] + n[1] * n[1]) + n[2] * n[2] + kTiny;
-    const Lanes share = ((v0[0] * n[0] + v0[1] * n[1]) + v0[2] * n[2]) / n2;
-    const Lanes offset = middle - ((n[0] * c[0] + n[1] * c[1]) + n[2] * c[2]);
-    Lanes e = fixed.plate_half - Lanes{};
-    addMagnitude(share, thick, e);
-    for (int k = 0; k < 3; ++k) {
-      addMagnitude(v0[k] - share * n[k], h[k], e);
-      e += (slab.half * std::abs(v1[k])) * h[k];
-    }
-    e = e * kUp + geometry::kPlateLength * extra;
-    const Lanes d = (times(m, in_fixed.p0) - fixed.plate_middle) +
-                    ((v0[0] * c[0] + v0[1] * c[1]) + v0[2] * c[2]) + share * offset;
-    Lanes w = times(m, in_fixed.p1) + ((v1[0] * c[0] + v1[1] * c[1]) + v1[2] * c[2]);
-    if (m2 > 0.0) clipAxis(d, w, e, pad, low, high);
+  Four n[3];
+  for (int k = 0; k < 3; ++k) n[k] = load(moving.plate[k]);
+  const Four middle = load(moving.plate_middle), thick = load(moving.plate_half);
+  const double m[3] = {fixed_node.plate[0], fixed_node.plate[1], fixed_node.plate[2]};
+  const double m2 = dotOf(m, m), fixed_middle = fixed_node.plate_middle, fixed_thick = fixed_node.plate_half;
+  if (m2 > 0.0) {
+    const Four v0 = combined(in_fixed.q0, m);
+    const Four turned = slab.half * magnitude(combined(in_fixed.q1, m));
+    const Four share = dotOf(v0, n) / (dotOf(n, n) + kTiny);
+    Four e = fixed_thick + magnitude(share) * thick;
+    for (int k = 0; k < 3; ++k) e += (magnitude(v0[k] - share * n[k]) + turned[k]) * h[k];
+    times.clip((dotOf(m, place) - fixed_middle) + share * (middle - dotOf(n, c)), dotOf(m, rate),
+               e * kUp + geometry::kPlateLength * extra);
   }
   {
-    const float* m = fixed.plate;
-    const double m2 = m[0] * m[0] + m[1] * m[1] + m[2] * m[2] + kTiny;
-    const double offset = fixed.plate_middle - (m[0] * static_cast<double>(fixed.centre[0]) +
-                                                m[1] * static_cast<double>(fixed.centre[1]) +
-                                                m[2] * static_cast<double>(fixed.centre[2]));
-    Lanes v0[3], v1[3], d = -middle, w = {}, share = {};
+    Four v0[3], share = {};
     for (int k = 0; k < 3; ++k) {
       v0[k] = (n[0] * in_moving.q0[0][k] + n[1] * in_moving.q0[1][k]) + n[2] * in_moving.q0[2][k];
-      v1[k] = (n[0] * in_moving.q1[0][k] + n[1] * in_moving.q1[1][k]) + n[2] * in_moving.q1[2][k];
-      d += n[k] * in_moving.p0[k] + v0[k] * static_cast<double>(fixed.centre[k]);
-      w += n[k] * in_moving.p1[k] + v1[k] * static_cast<double>(fixed.centre[k]);
-      share += v0[k] * static_cast<double>(m[k]);
+      share += v0[k] * m[k];
     }
-    share /= m2;
-    d += share * offset;
-    Lanes e = thick;
-    addMagnitude(share, static_cast<double>(fixed.plate_half), e);
+    share *= 1.0 / (m2 + kTiny);
+    Four e = thick + magnitude(share) * fixed_thick;
     for (int k = 0; k < 3; ++k) {
-      const double extent = fixed.half[k];
-      addMagnitude(v0[k] - share * static_cast<double>(m[k]), extent, e);
-      addMagnitude(v1[k], slab.half * extent, e);
+      const Four v1 = (n[0] * in_moving.q1[0][k] + n[1] * in_moving.q1[1][k]) + n[2] * in_moving.q1[2][k];
+      e += (magnitude(v0[k] - share * m[k]) + slab.half * magnitude(v1)) * half[k];
     }
-    // Where there is no plate, n is zero: d and w are, and so is all of e but the allowance.
-    e = e * kUp + geometry::kPlateLength * back_extra;
-    clipAxis(d, w, e, pad, low, high);
+    times.clip((dotOf(n, back_place) - middle) + share * (fixed_middle - dotOf(m, centre)),
+               dotOf(n, back_rate), e * kUp + geometry::kPlateLength * back_extra);
   }
-  std::memcpy(low_out, &low, sizeof low);
-  std::memcpy(high_out, &high, sizeof high);
+
+  const Four low = slab.middle + (times.low - pad), high = slab.middle + (times.high + pad);
+  const Four from = larger(low, span.low - Four{}), to = smaller(high, span.high - Four{});
+  for (int i = 0; i < kWidth; ++i) clipped[i] = {from[i], to[i]};
+  return whereOrdered(from, to);
 }
 
 }  // namespace
@@ -162,33 +131,11 @@ NodeTest::NodeTest(const PairPiece& piece)
       grown_(piece.contact_distance + 2.0 * piece.frame_error),
       pad_(32.0 * kUnit * piece.motion.duration()) {}
 
-Span NodeTest::clip(const Slab& slab, const geometry::BvhNode& a, const geometry::BvhNode& b,
-                    Span span) const {
-  geometry::BvhBlock block;
-  for (int i = 0; i < kWidth; ++i) {
-    for (int k = 0; k < 3; ++k) {
-      block.centre[k][i] = b.centre[k];
-      block.half[k][i] = b.half[k];
-      block.plate[k][i] = static_cast<std::int8_t>(b.plate[k]);
-    }
-    block.plate_middle[i] = b.plate_middle;
-    block.plate_half[i] = b.plate_half;
-    block.reach[i] = b.reach;
-  }
-  Span clipped[kWidth];
-  clipChildren(slab, block, false, a, span, clipped);
-  return clipped[0];
-}
-
-void NodeTest::clipChildren(const Slab& slab, const geometry::BvhBlock& children, bool of_a,
-                            const geometry::BvhNode& fixed, Span span, Span clipped[kWidth]) const {
+unsigned NodeTest::clipChildren(const Slab& slab, const geometry::BvhBlock& children, bool of_a,
+                                const geometry::BvhNode& fixed, Span span, Span clipped[kWidth]) const {
   const double grown = grown_ + 2.0 * slab.half * piece_.rate_error;
-  double low[kWidth], high[kWidth];
-  clipBlock(slab, of_a ? slab.in_b : slab.in_a, of_a ? slab.in_a : slab.in_b, fixed, children, grown, pad_,
-            span.low - slab.middle, span.high - slab.middle, low, high);
-  for (int i = 0; i < kWidth; ++i) {
-    clipped[i] = {std::max(span.low, slab.middle + low[i]), std::min(span.high, slab.middle + high[i])};
-  }
+  return clipBlock(slab, of_a ? slab.in_b : slab.in_a, of_a ? slab.in_a : slab.in_b, fixed, children, grown,
+                   pad_, span, clipped);
 }
 
 namespace {

@@ -1,7 +1,7 @@
 /// When can two boxes, or two triangles, of a pair touch? The inner loop of the search.
 ///
-/// Guarantee: a time that clip() cuts off, and a pair that trianglesApart() passes, is proved farther apart
-/// than the contact distance. Derivation: docs/solver.md, "The node test".
+/// Guarantee: a time that clipChildren() cuts off, and a pair that trianglesApart() passes, is proved farther
+/// apart than the contact distance. Derivation: docs/solver.md, "The node test".
 #pragma once
 
 #include "collision_node/impact/time_slabs.h"
@@ -18,14 +18,12 @@ class NodeTest {
  public:
   explicit NodeTest(const PairPiece& piece);
 
-  /// The part of `span`, which lies in the slab, in which the nodes' boxes can be within the contact
-  /// distance.
-  Span clip(const Slab& slab, const geometry::BvhNode& a, const geometry::BvhNode& b, Span span) const;
-
-  /// The same for all children of one node of A (`of_a`) against a node of B, or the other way round.
-  void clipChildren(const Slab& slab, const geometry::BvhBlock& children, bool of_a,
-                    const geometry::BvhNode& fixed, Span span,
-                    Span clipped[geometry::BvhBlock::kWidth]) const;
+  /// The parts of `span`, which lies in the slab, in which the boxes of the children of one node of A
+  /// (`of_a`) can be within the contact distance of a node of B, or the other way round. Returns in which
+  /// lanes time is left.
+  unsigned clipChildren(const Slab& slab, const geometry::BvhBlock& children, bool of_a,
+                        const geometry::BvhNode& fixed, Span span,
+                        Span clipped[geometry::BvhBlock::kWidth]) const;
 
   /// Is one of the faces' planes between the two triangles throughout the span?
   bool trianglesApart(const Slab& slab, const Element& a, const Element& b, Span span) const;

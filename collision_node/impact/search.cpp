@@ -13,13 +13,17 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUp = 1.0 + 64.0 * kUnit;
 
 /// Split time rather than space when the motion's remainder exceeds this share of the nodes' sizes (measured:
-/// flat from 0.03 to 0.1).
-constexpr double kTimeSplit = 0.045;
+/// flat from 0.03 to 0.06).
+constexpr double kTimeSplit = 0.04;
+
+constexpr int kAtOnce = 4;  ///< tests that hide each other's latencies (measured: flat from 3 to 6)
 
 constexpr int kWidth = geometry::BvhBlock::kWidth;
 
 /// A measure of a node's size, to compare with others.
-double sizeOf(const geometry::BvhNode& node) { return 0.6 * (node.half[0] + node.half[1] + node.half[2]); }
+double sizeOf(const geometry::BvhBlock& block, int lane) {
+  return 0.6 * (block.half[0][lane] + block.half[1][lane] + block.half[2][lane]);
+}
 
 }  // namespace
 
@@ -37,18 +41,53 @@ Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& wor
       near_(workspace.buffers().near),
       found_(workspace.buffers().found) {}
 
-/// Keeps an item that has time left, in the smallest slab that was made for it or is worth making. Its boxes
-/// are tested again only with its children: a test costs as much as theirs.
-void Search::push(Item item) {
-  if (item.span.empty()) return;
-  while (!slabs_[item.slab].straight) {
-    const double middle = slabs_[item.slab].middle;
-    const bool late = item.span.low >= middle;
-    if (!late && item.span.high > middle) break;
-    if (!(slabs_[item.slab].half > 16.0 * kUnit * piece_.motion.duration())) break;
-    item.slab = slabs_.childOf(item.slab, late);
+/// Puts the item into the smallest slab that was made for it, and says what is to be done with it.
+Search::Todo Search::todo(Item& item) {
+  const geometry::Bvh &tree_a = piece_.a.bvh(), &tree_b = piece_.b.bvh();
+  const geometry::BvhBlock &block_a = tree_a.block(item.a / kWidth), &block_b = tree_b.block(item.b / kWidth);
+  const int lane_a = item.a % kWidth, lane_b = item.b % kWidth;
+  const std::int32_t link_a = block_a.link[lane_a], link_b = block_b.link[lane_b];
+  const double size_a = sizeOf(block_a, lane_a), size_b = sizeOf(block_b, lane_b);
+  const double reach = std::max(block_a.reach[lane_a], block_b.reach[lane_b]);
+  const double least_size = std::min(size_a, size_b), limit = kTimeSplit * (size_a + size_b);
+  const auto bends = [&](const Slab& slab) {
+    const double bend = std::min(slab.in_a.bend, slab.in_b.bend) + slab.bend_q * reach;
+    const double remainder = slab.half * (0.5 * slab.half * bend + slab.turn * least_size);
+    return remainder > limit && slab.half > 1e-9 * piece_.motion.duration();
+  };
+  bool straddles;
+  while (true) {
+    const Slab& slab = slabs_[item.slab];
+    const bool late = item.span.low >= slab.middle;
+    straddles = !late && item.span.high > slab.middle;
+    // To make one costs as much as two tests: only where it bends.
+    if (straddles || (slab.child[late] < 0 && !bends(slab))) break;
+    item.slab = slab.child[late] < 0 ? slabs_.childOf(item.slab, late) : slab.child[late];
   }
-  stack_.push_back(item);
+  if (link_a < 0 && link_b < 0) return {Todo::kElements, false, link_a, link_b};
+  if (straddles && bends(slabs_[item.slab])) return {Todo::kHalve, false, link_a, link_b};
+  return {Todo::kTest, link_b < 0 || (link_a >= 0 && size_a >= size_b), link_a, link_b};
+}
+
+/// Puts the children with time left on the stack, nearest in time last, so that it is looked at first.
+void Search::pushChildren(const Item& item, const Todo& todo, unsigned lanes, const Span spans[],
+                          double until) {
+  const geometry::Bvh& tree = todo.of_a ? piece_.a.bvh() : piece_.b.bvh();
+  const std::int32_t link = todo.of_a ? todo.link_a : todo.link_b;
+  const geometry::BvhBlock& children = tree.block(link);
+  int order[kWidth], kept = 0;
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int i = __builtin_ctz(lanes);
+    if (!(spans[i].low < until)) continue;
+    int place = kept++;
+    for (; place > 0 && spans[order[place - 1]].low < spans[i].low; --place) order[place] = order[place - 1];
+    order[place] = i;
+  }
+  for (int i = 0; i < kept; ++i) {
+    tree.prefetch(children.link[order[i]]);
+    const std::int32_t child = kWidth * link + order[i];
+    stack_.push_back({todo.of_a ? child : item.a, todo.of_a ? item.b : child, item.slab, spans[order[i]]});
+  }
 }
 
 template <typename Leaf>
@@ -63,64 +102,61 @@ void Search::walk(double from, double to, Leaf&& leaf) {
     }
     return;
   }
+  const geometry::Bvh &tree_a = piece_.a.bvh(), &tree_b = piece_.b.bvh();
+  const auto clip = [&](const Item& item, const Todo& todo, Span spans[]) {
+    const Slab& slab = slabs_[item.slab];
+    return todo.of_a
+               ? test_.clipChildren(slab, tree_a.block(todo.link_a), true, tree_b[item.b], item.span, spans)
+               : test_.clipChildren(slab, tree_b.block(todo.link_b), false, tree_a[item.a], item.span, spans);
+  };
   slabs_.start(from, to);
   stack_.clear();
-  const geometry::Bvh &tree_a = piece_.a.bvh(), &tree_b = piece_.b.bvh();
   ++node_tests_;
   constexpr std::int32_t kRoot = geometry::Bvh::kRoot;
-  push({kRoot, kRoot, 0, test_.clip(slabs_[0], tree_a[kRoot], tree_b[kRoot], {from, to})});
+  stack_.push_back({kRoot, kRoot, 0, {from, to}});
   double until = kInfinity;
   while (!stack_.empty()) {
-    const Item item = stack_.back();
+    Item item = stack_.back();
     stack_.pop_back();
     if (!(item.span.low < until)) continue;
     if (exhausted()) {
       until = std::min(until, leaf.unresolved(item.span.low));
       continue;
     }
-    const geometry::BvhNode na = tree_a[item.a], nb = tree_b[item.b];
-    const Slab& slab = slabs_[item.slab];
-    if (na.leaf() && nb.leaf()) {
+    const Todo now = todo(item);
+    if (now.kind == Todo::kElements) {
       const Span span{item.span.low, std::min(item.span.high, until)};
-      until = std::min(until, leaf(slab, na.element(), nb.element(), span));
+      until = std::min(until, leaf(slabs_[item.slab], ~now.link_a, ~now.link_b, span));
       continue;
     }
-    const double size_a = sizeOf(na), size_b = sizeOf(nb);
-    const double remainder =
-        0.5 * slab.half * slab.half *
-            (std::min(slab.in_a.bend, slab.in_b.bend) + slab.bend_q * std::max(na.reach, nb.reach)) +
-        slab.half * slab.turn * std::min(size_a, size_b);
-    const bool split_time = remainder > kTimeSplit * (size_a + size_b) &&
-                            slab.half > 1e-9 * piece_.motion.duration() && item.span.low < slab.middle &&
-                            item.span.high > slab.middle;
-    if (split_time) {
-      const double middle = slab.middle;
-      const std::int32_t late = slabs_.childOf(item.slab, true), early = slabs_.childOf(item.slab, false);
-      node_tests_ += 2;
-      push({item.a, item.b, late, test_.clip(slabs_[late], na, nb, {middle, item.span.high})});
-      push({item.a, item.b, early, test_.clip(slabs_[early], na, nb, {item.span.low, middle})});
-      continue;
-    }
-    const bool of_a = nb.leaf() || (!na.leaf() && size_a >= size_b);
-    const std::int32_t link = of_a ? na.link : nb.link;
-    const geometry::BvhBlock& children = of_a ? tree_a.block(link) : tree_b.block(link);
-    Span spans[kWidth];
-    test_.clipChildren(slab, children, of_a, of_a ? nb : na, item.span, spans);
     ++node_tests_;
-    // Sorted by time, so that the nearest is pushed last and looked at first.
-    int order[kWidth], kept = 0;
-    for (int i = 0; i < kWidth; ++i) {
-      if (spans[i].empty() || !(spans[i].low < until)) continue;
-      int place = kept++;
-      for (; place > 0 && spans[order[place - 1]].low < spans[i].low; --place)
-        order[place] = order[place - 1];
-      order[place] = i;
+    if (now.kind == Todo::kHalve) {
+      const double middle = slabs_[item.slab].middle;
+      const std::int32_t late = slabs_.childOf(item.slab, true), early = slabs_.childOf(item.slab, false);
+      stack_.push_back({item.a, item.b, late, {middle, item.span.high}});
+      stack_.push_back({item.a, item.b, early, {item.span.low, middle}});
+      continue;
     }
-    for (int i = 0; i < kept; ++i) {
-      (of_a ? tree_a : tree_b).prefetch(children.link[order[i]]);
-      const std::int32_t child = kWidth * link + order[i];
-      push({of_a ? child : item.a, of_a ? item.b : child, item.slab, spans[order[i]]});
+    // What would come next is tested at the same time: none waits for another.
+    struct Test {
+      Item item;
+      Todo todo;
+      unsigned lanes;
+      Span spans[kWidth];
+    } tests[kAtOnce];
+    tests[0].item = item;
+    tests[0].todo = now;
+    int count = 1;
+    for (; count < kAtOnce && !stack_.empty() && stack_.back().span.low < until; ++count) {
+      tests[count].todo = todo(stack_.back());
+      if (tests[count].todo.kind != Todo::kTest) break;
+      tests[count].item = stack_.back();
+      stack_.pop_back();
+      ++node_tests_;
     }
+    for (int i = 0; i < count; ++i) tests[i].lanes = clip(tests[i].item, tests[i].todo, tests[i].spans);
+    for (int i = count - 1; i >= 0; --i)
+      pushChildren(tests[i].item, tests[i].todo, tests[i].lanes, tests[i].spans, until);
   }
 }
 

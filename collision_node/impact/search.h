@@ -84,6 +84,13 @@ class Search {
     Span span;
   };
 
+  /// What is to be done with an item.
+  struct Todo {
+    enum Kind { kElements, kHalve, kTest } kind;
+    bool of_a;                    ///< kTest: A's children with B's node; else the other way round
+    std::int32_t link_a, link_b;  ///< BvhNode::link
+  };
+
   /// A pair that is proved apart before `time`.
   struct Near {
     ElementPair pair;
@@ -92,7 +99,8 @@ class Search {
   };
 
   Span reachOf(const PairPiece& piece) const;
-  void push(Item item);
+  Todo todo(Item& item);
+  void pushChildren(const Item& item, const Todo& todo, unsigned lanes, const Span spans[], double until);
   Proved classifyElements(const Instant& now, const Element& a, const Element& b, const Closest& start,
                           ContactWitness& witness) const;
   /// Of what classify() found: what lasts longest.

@@ -8,14 +8,16 @@ namespace {
 
 constexpr double kUp = 1.0 + 64.0 * kUnit;
 
-void store(const Mat3& m, double to[3][3]) {
+void store(const Mat3& m, double to[3][4]) {
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) to[i][k] = m(i, k);
+    to[i][3] = 0.0;
   }
 }
 
-void store(const Vec3& v, double to[3]) {
+void store(const Vec3& v, double to[4]) {
   for (int k = 0; k < 3; ++k) to[k] = v[k];
+  to[3] = 0.0;
 }
 
 /// The view of points y + `far` (y from the other hierarchy's middle), relative to `near`.
@@ -68,7 +70,6 @@ std::int32_t TimeSlabs::add(double low, double high) {
        pathBend(wa, m.spinA()));
   fill(s.in_b, -(now.rb.transpose() * now.d), -(now.rb.transpose() * (now.d_rate - wb.cross(now.d))),
        q0.transpose(), q1.transpose(), extent.transpose(), middle_b, middle_a, pathBend(wb, m.spinB()));
-  s.straight = s.in_a.bend + s.bend_q + s.turn == 0.0;
   slabs_.push_back(s);
   return static_cast<std::int32_t>(slabs_.size()) - 1;
 }

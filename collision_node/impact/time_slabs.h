@@ -13,10 +13,11 @@
 namespace collision_node::impact {
 
 /// One body's points in the other's frame, relative to the middles of both bodies' hierarchies.
+/// Rows of four, the last of them zero, so that one load takes a row.
 struct SlabView {
-  double p0[3], p1[3];        ///< [m], [m/s]
-  double q0[3][3], q1[3][3];  ///< rows
-  double extent[3][3];        ///< >= |Q(s)| entrywise on the slab
+  double p0[4], p1[4];        ///< [m], [m/s]
+  double q0[3][4], q1[3][4];  ///< rows
+  double extent[3][4];        ///< >= |Q(s)| entrywise on the slab
   double bend;                ///< [m/s^2]
 };
 
@@ -26,7 +27,6 @@ struct Slab {
   double bend_q;                     ///< [1/s^2] times |y|, y from the body's own origin
   double turn;                       ///< [rad/s] |omega_b - omega_a|
   std::int32_t child[2] = {-1, -1};  ///< early and late half, once asked for
-  bool straight;                     ///< nothing bends: the model is exact, smaller slabs are no better
 };
 
 class TimeSlabs {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "collision_node/impact/four_doubles.h"
 
 namespace collision_node::impact {
 namespace {
@@ -10,6 +13,58 @@ constexpr double kUp = 1.0 + 64.0 * kUnit;
 
 double reachOf(const Vec3 v[3]) {
   return std::sqrt(std::max({v[0].squaredNorm(), v[1].squaredNorm(), v[2].squaredNorm()})) * kUp;
+}
+
+/// The axes of the separating axis theorem, and the gaps along them now: lane j < 3 of row i is edge i of A
+/// with edge j of B; the last lane of row 0 is the face of A, of row 1 that of B, of row 2 nothing.
+struct Normals {
+  double x[3][3][kFour];  ///< by coordinate, of any length
+  double gap[3][kFour];   ///< [m] negative where A lies beyond B; 0 where they overlap
+
+  Vec3 normal(int i) const {
+    return {x[0][i / kFour][i % kFour], x[1][i / kFour][i % kFour], x[2][i / kFour][i % kFour]};
+  }
+  int widest() const {
+    int widest = 0;
+    for (int i = 1; i < 3 * kFour; ++i) {
+      if (std::abs(gap[i / kFour][i % kFour]) > std::abs(gap[widest / kFour][widest % kFour])) widest = i;
+    }
+    return widest;
+  }
+};
+
+COLLISION_NODE_ANY_WIDTH
+void gapsOf(const Vec3 a[3], const Vec3 b[3], const Vec3 edges_a[3], const Vec3 edges_b[3], const Vec3& d,
+            Normals& all) {
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 zero = Vec3::Zero();
+    const Vec3 &p = edges_a[i], &q0 = edges_b[0], &q1 = edges_b[1], &q2 = edges_b[2];
+    const Vec3& p_last = i == 0 ? edges_a[0] : i == 1 ? edges_b[0] : zero;
+    const Vec3& q_last = i == 0 ? edges_a[1] : i == 1 ? edges_b[1] : zero;
+    const auto first = [&](int k) { return Four{p[k], p[k], p[k], p_last[k]}; };
+    const auto second = [&](int k) { return Four{q0[k], q1[k], q2[k], q_last[k]}; };
+    Four n[3];
+    for (int k = 0; k < 3; ++k) {
+      const int y = (k + 1) % 3, z = (k + 2) % 3;
+      n[k] = first(y) * second(z) - first(z) * second(y);
+      std::memcpy(all.x[k][i], &n[k], sizeof n[k]);
+    }
+    const Four length2 = dotOf(n, n);
+    Four low_a = dotOf(n, a[0]), high_a = low_a, low_b = dotOf(n, b[0]), high_b = low_b;
+    for (int v = 1; v < 3; ++v) {
+      const Four on_a = dotOf(n, a[v]), on_b = dotOf(n, b[v]);
+      low_a = smaller(on_a, low_a);
+      high_a = larger(on_a, high_a);
+      low_b = smaller(on_b, low_b);
+      high_b = larger(on_b, high_b);
+    }
+    const Four offset = dotOf(n, d), ahead = (low_b + offset) - high_a, behind = low_a - (high_b + offset);
+    Four gap = ahead > 0.0 ? ahead : behind > 0.0 ? -behind : Four{};
+    Four length;
+    for (int lane = 0; lane < kFour; ++lane) length[lane] = std::sqrt(length2[lane]);
+    gap = length2 > 1e-300 ? gap / length : Four{};
+    std::memcpy(all.gap[i], &gap, sizeof gap);
+  }
 }
 
 }  // namespace
@@ -34,32 +89,24 @@ double TrianglePair::apartFor(double span, Axis* axis) const {
     edges_a[i] = a_[(i + 1) % 3] - a_[i];
     edges_b[i] = b_[(i + 1) % 3] - b_[i];
   }
-  Candidate all[11];
-  int count = 0;
-  const auto consider = [&](const Vec3& normal, int edge_a, int edge_b) {
-    const double gap = gapAlong(normal);
-    if (gap != 0.0) all[count++] = {normal, gap, edge_a, edge_b};
-  };
-  consider(edges_a[0].cross(edges_a[1]), -1, 0);
-  consider(edges_b[0].cross(edges_b[1]), 0, -1);
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) consider(edges_a[i].cross(edges_b[j]), i, j);
-  }
+  Normals all;
+  gapsOf(a_, b_, edges_a, edges_b, now_.d, all);
   // The widest gaps first; a few tell nearly as much as all.
   constexpr int kTried = 4;
-  const int tried = std::min(count, kTried);
-  std::partial_sort(all, all + tried, all + count,
-                    [](const Candidate& x, const Candidate& y) { return std::abs(x.gap) > std::abs(y.gap); });
   double best = 0.0;
-  for (int i = 0; i < tried && best < span; ++i) {
-    const Candidate& c = all[i];
-    const Vec3 rate = c.edge_b < 0   ? wb.cross(c.normal)
-                      : c.edge_a < 0 ? wa.cross(c.normal)
-                                     : Vec3(wa.cross(edges_a[c.edge_a]).cross(edges_b[c.edge_b]) +
-                                            edges_a[c.edge_a].cross(wb.cross(edges_b[c.edge_b])));
+  for (int tried = 0; tried < kTried && best < span; ++tried) {
+    const int widest = all.widest();
+    const double gap = std::exchange(all.gap[widest / kFour][widest % kFour], 0.0);
+    if (gap == 0.0) break;
+    const Vec3 normal = all.normal(widest);
+    const int i = widest / kFour, j = widest % kFour;
+    const Vec3 rate =
+        j < 3    ? Vec3(wa.cross(edges_a[i]).cross(edges_b[j]) + edges_a[i].cross(wb.cross(edges_b[j])))
+        : i == 0 ? wa.cross(normal)
+                 : wb.cross(normal);
     // Of unit length, and what the rate has across itself counts.
-    const double scale = (c.gap > 0.0 ? 1.0 : -1.0) / c.normal.norm();
-    const Vec3 n = c.normal * scale;
+    const double scale = (gap > 0.0 ? 1.0 : -1.0) / normal.norm();
+    const Vec3 n = normal * scale;
     const Vec3 n_rate = rate * scale - n * (n.dot(rate) * scale);
     const double proved = alongAxis(n, n_rate, span);
     if (!(proved > best)) continue;
@@ -67,22 +114,6 @@ double TrianglePair::apartFor(double span, Axis* axis) const {
     *axis = {n, n_rate, true};
   }
   return best;
-}
-
-/// The gap now along a normal of any length; negative where A lies beyond B, 0 where they overlap.
-double TrianglePair::gapAlong(const Vec3& normal) const {
-  const double length2 = normal.squaredNorm();
-  if (!(length2 > 1e-300)) return 0.0;
-  const double offset = normal.dot(now_.d);
-  double pa[3], pb[3];
-  for (int i = 0; i < 3; ++i) {
-    pa[i] = normal.dot(a_[i]);
-    pb[i] = normal.dot(b_[i]) + offset;
-  }
-  const double ahead = std::min({pb[0], pb[1], pb[2]}) - std::max({pa[0], pa[1], pa[2]});
-  const double behind = std::min({pa[0], pa[1], pa[2]}) - std::max({pb[0], pb[1], pb[2]});
-  if (ahead > 0.0) return ahead / std::sqrt(length2);
-  return behind > 0.0 ? -behind / std::sqrt(length2) : 0.0;
 }
 
 double TrianglePair::alongAxis(const Vec3& n, const Vec3& rate, double span) const {

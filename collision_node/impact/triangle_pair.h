@@ -17,14 +17,6 @@ class TrianglePair {
   double apartFor(double span, Axis* axis) const;
 
  private:
-  /// An axis of the separating axis theorem, with the edges that it turns with; -1: the other's face.
-  struct Candidate {
-    Vec3 normal;
-    double gap;
-    int edge_a, edge_b;
-  };
-
-  double gapAlong(const Vec3& normal) const;
   double alongAxis(const Vec3& n, const Vec3& rate, double span) const;
 
   const PairPiece& piece_;

@@ -75,7 +75,7 @@ void TimeLine::clockWentBack() {
 
 void TimeLine::releaseAll() {
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    tracks_[i].releaseAll();
+    tracks_[i].releaseAll(watermark_);
     if (tracks_[i].status() == Track::Status::kWaiting) tracks_[i].giveUpWaiting();
     note(static_cast<int>(i));
   }

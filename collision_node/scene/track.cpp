@@ -45,7 +45,7 @@ void Track::add(motion::StampedPose pose, bool guessed, std::optional<Nanosecond
     ++counts_.duplicate;
     return;
   }
-  if (held_) resolveHeld(pose);
+  if (held_) resolveHeld(pose, floor);
   if (isKnown(stamp)) {
     ++counts_.duplicate;
     return;
@@ -64,13 +64,13 @@ Nanoseconds Track::backBy(Nanoseconds stamp_ns) const {
 }
 
 /// The pose after a held one tells what the held one was: the beginning of a new epoch, or a straggler.
-void Track::resolveHeld(const motion::StampedPose& next) {
+void Track::resolveHeld(const motion::StampedPose& next, std::optional<Nanoseconds> floor) {
   const Arrival held = *std::exchange(held_, std::nullopt);
   const bool may_be_stale = std::exchange(held_may_be_stale_, false);
   if (next.stamp_ns < held.pose.stamp_ns) {
     ++counts_.late;
   } else if (may_be_stale) {
-    insert(held);
+    insertFirst(held, floor);
   } else if (backBy(next.stamp_ns) >= 0) {
     enterEpoch(epoch_ + 1);
     went_back_ = true;
@@ -100,6 +100,18 @@ void Track::place(const Arrival& arrival, std::optional<Nanoseconds> floor) {
     // A track that joins late (first pose, or back from silence) must not speak of what is decided.
     if (pending_.empty() && (!last_released_ || isBroken())) floor_ = floor;
     if (floor_ && stamp < *floor_) {
+      ++counts_.late;
+      return;
+    }
+  }
+  insert(arrival);
+}
+
+/// Of an epoch, after it was held: time has gone on since, perhaps without this track.
+void Track::insertFirst(const Arrival& arrival, std::optional<Nanoseconds> floor) {
+  if (epoch_ == scene_epoch_) {
+    floor_ = floor;
+    if (floor_ && arrival.pose.stamp_ns < *floor_) {
       ++counts_.late;
       return;
     }
@@ -176,12 +188,12 @@ void Track::noteWay(Sample& sample) {
   sample.travelled = travelled_;
 }
 
-void Track::releaseAll() {
+void Track::releaseAll(std::optional<Nanoseconds> floor) {
   if (held_) {
     const bool may_be_stale = std::exchange(held_may_be_stale_, false);
     const Arrival held = *std::exchange(held_, std::nullopt);
     if (may_be_stale) {
-      insert(held);  // nothing came to say that it was a leftover
+      insertFirst(held, floor);  // nothing came to say that it was a leftover
     } else {
       ++counts_.late;
     }

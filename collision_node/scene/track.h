@@ -86,8 +86,8 @@ class Track {
   /// One pose as it arrives. `floor`: a track that is not live may not join the epoch before it (everything
   /// older is decided). Must not be called on a fixed track.
   void add(motion::StampedPose pose, bool guessed, std::optional<Nanoseconds> floor);
-  /// Releases everything delivered; a held pose is late. The track stays live.
-  void releaseAll();
+  /// Releases everything delivered; a held pose is late. The track stays live. `floor`: see add().
+  void releaseAll(std::optional<Nanoseconds> floor = std::nullopt);
   /// The source went silent: releases everything and ends the run there, or freezes the object.
   void timeOut();
   /// A fixed track that has come late says nothing of this epoch before `ns`.
@@ -155,7 +155,8 @@ class Track {
 
   bool isKnown(Nanoseconds stamp_ns) const;
   Nanoseconds backBy(Nanoseconds stamp_ns) const;
-  void resolveHeld(const motion::StampedPose& next);
+  void resolveHeld(const motion::StampedPose& next, std::optional<Nanoseconds> floor);
+  void insertFirst(const Arrival& arrival, std::optional<Nanoseconds> floor);
   void place(const Arrival& arrival, std::optional<Nanoseconds> floor);
   void insert(const Arrival& arrival);
   void releaseUpTo(Nanoseconds stamp_ns);

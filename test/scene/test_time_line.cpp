@@ -184,6 +184,24 @@ TEST(TimeLine, TheClockMayFollowAJumpThatTheSceneHasAlreadyMade) {
   EXPECT_TRUE(line.epochIsOver());
 }
 
+TEST(TimeLine, APoseHeldSinceTheClockWentBackDoesNotSpeakOfWhatIsDecided) {
+  TimeLine line = twoTracks();
+  feed(line, 0, 0, 2000);
+  feed(line, 1, 0, 2000);
+  line.clockWentBack();
+  ASSERT_TRUE(line.epochIsOver());
+  line.closeEpoch();
+  line.nextEpoch();
+  line.add(0, at(2500), false);  // perhaps a leftover of the time before
+  feed(line, 1, 0, 6000);        // nobody waits for the first one any more
+  ASSERT_EQ(line.watermark(), 5900 * kMs);
+  for (const Nanoseconds t : {2600, 2700}) line.add(0, at(t), false);
+  EXPECT_EQ(line.tracks()[0].counts().late, 3u);
+  EXPECT_FALSE(line.tracks()[0].lastReleased());
+  for (const Nanoseconds t : {5950, 6100}) line.add(0, at(t), false);
+  EXPECT_EQ(line.tracks()[0].lastReleased(), 5950 * kMs);
+}
+
 // ---- pieces
 
 struct Walk {

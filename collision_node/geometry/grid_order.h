@@ -1,0 +1,43 @@
+/// The upper levels of a Bvh without a pass for each: entries are sorted into the cells of a grid once, and
+/// the cells are split where area times number of entries is smallest.
+#pragma once
+
+#include <vector>
+
+#include "collision_node/geometry/bvh_entry.h"
+
+namespace collision_node::geometry {
+
+class GridOrder {
+ public:
+  /// A range of entries that is known to fall into two.
+  struct Split {
+    std::size_t middle;     ///< where the second begins
+    FloatBox box[2];        ///< of both
+    std::int32_t below[2];  ///< the splits of both; kNone where all lie in one cell
+  };
+  static constexpr std::int32_t kNone = -1;
+
+  /// Sorts the entries, whose box is `all`, where there are enough of them to be worth it. `aside` is room
+  /// for as many. The same entries give the same order on any machine.
+  GridOrder(std::vector<Entry>& entries, std::vector<Entry>& aside, const FloatBox& all);
+
+  std::int32_t root() const { return root_; }  ///< as Split::below
+  const Split& operator[](std::int32_t i) const { return splits_[static_cast<std::size_t>(i)]; }
+
+ private:
+  struct Cell {
+    FloatBox box;
+    int place[3];  ///< in the grid
+    std::size_t count = 0, begin = 0;
+  };
+
+  std::int32_t split(std::size_t begin, std::size_t end);
+
+  std::vector<Cell> cells_;          ///< those that hold something
+  std::vector<std::int32_t> order_;  ///< of the cells
+  std::vector<Split> splits_;
+  std::int32_t root_ = kNone;
+};
+
+}  // namespace collision_node::geometry
