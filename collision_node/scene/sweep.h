@@ -1,9 +1,6 @@
 /// Where an object may be during a stretch of time, as the broad phase asks about it.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include "collision_node/geometry/bvh.h"
 
 namespace collision_node::scene {

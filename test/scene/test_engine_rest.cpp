@@ -285,5 +285,58 @@ TEST(EngineRest, AShotThatIsFrozenWhereItsLastSegmentEndedIsMetThereFromItsLastS
   }
 }
 
+/// Each goes less than half of what was between them until they meet.
+TEST(EngineRest, TwoThatComeTowardsEachOtherAreWokenInTime) {
+  Rig rig(sceneOf({movingSphere("left"), movingSphere("right")}), kCertified);
+  for (Nanoseconds t = 0; t <= 10000; t += 50) {  // 100 m apart, 10 m/s each: 1 m apart at 4.95 s
+    rig.engine.addPose(0, poseAt(t, 0.01 * static_cast<double>(t)));
+    rig.engine.addPose(1, poseAt(t, 100.0 - 0.01 * static_cast<double>(t)));
+  }
+  rig.engine.flush();
+  EXPECT_EQ(kinds(rig.events),
+            (std::vector<std::string>{"IMPACT/CONFIRMED/NONE", "SEPARATION/CONFIRMED/NONE"}));
+}
+
+/// Says what it found a piece later.
+class LateMethod : public LineMethod {
+ public:
+  impact::PieceOutcome advance(const impact::Piece& piece, impact::PairState& state,
+                               std::vector<impact::PairEvent>& events) const override {
+    using Phase = impact::PairState::Phase;
+    if (state.phase == Phase::kUndecided) {
+      events.push_back(state.pending);
+      state.phase = Phase::kApart;
+      return {};
+    }
+    std::vector<impact::PairEvent> found;
+    const impact::PieceOutcome outcome = LineMethod::advance(piece, state, found);
+    if (found.empty()) return outcome;
+    state.phase = Phase::kUndecided;
+    state.pending = found.front();
+    return outcome;
+  }
+};
+
+TEST(EngineRest, APairWithAnOpenBracketDoesNotRestHoweverFarApartItIs) {
+  const auto factory = [](const geometry::Body&, const geometry::Body&, const impact::PairOptions&) {
+    return std::make_unique<LateMethod>();
+  };
+  for (const int bystanders : {0, 60}) {  // with many, pairs that rest are taken away at heartbeats
+    std::vector<Object> objects = {movingSphere("shot"), movingSphere("tank")};
+    for (int i = 0; i < bystanders; ++i)
+      objects.push_back(fixedSphere("w" + std::to_string(100 + i), 1e4 + 9.0 * i));
+    const auto scene = sceneOf(objects);
+    scene->stats_period = 0.1;
+    Rig rig(scene, factory, {});
+    for (Nanoseconds t = 0; t <= 2000;
+         t += 100) {  // through the tank in one segment, then at rest 100 m behind
+      rig.engine.addPose(0, poseAt(t, t < 1000 ? -100.0 : 100.0));
+      rig.engine.addPose(1, poseAt(t, 0.0));
+    }
+    rig.engine.flush();
+    EXPECT_EQ(kinds(rig.events), std::vector<std::string>{"IMPACT/CONFIRMED/NONE"}) << bystanders;
+  }
+}
+
 }  // namespace
 }  // namespace collision_node::scene
