@@ -248,7 +248,7 @@ TEST(EngineRest, APairThatIsWokenIsApartAndOneThatBeginsIsNew) {
   phases.clear();
   rig.engine.addPose(0, poseAt(12000, 0.0));  // a hole; then from near by
   for (Nanoseconds t = 10100; t <= 12500; t += 100) {
-    if (t > 12000) rig.engine.addPose(0, poseAt(t, 198.5));
+    if (t > 12000) rig.engine.addPose(0, poseAt(t, 199.2));
     rig.engine.addPose(1, poseAt(t, 200.0));
   }
   rig.engine.flush();
