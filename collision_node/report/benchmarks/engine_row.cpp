@@ -1,4 +1,5 @@
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 
 #include "collision_node/report/benchmarks/other_rows.h"
@@ -80,9 +81,9 @@ void crowdLine(bool only_ours, std::vector<Line>& lines) {
                          "the broad phase alone", 0.0, quality));
 }
 
-/// Primitives that tumble through each other.
+/// Primitives that tumble to and fro through each other: every release has some milliseconds of work.
 void threadsLine(std::vector<Line>& lines) {
-  constexpr int kCount = 150, kSteps = 30, kRepeats = 3;
+  constexpr int kCount = 300, kSteps = 30, kRepeats = 3;
   constexpr double kStep = 0.033;
   Random random(11);
   const auto scene = std::make_shared<scene::Scene>();
@@ -93,14 +94,14 @@ void threadsLine(std::vector<Line>& lines) {
                                       geometry::Cylinder{0.5 * size, 2.0 * size},
                                       geometry::Capsule{0.4 * size, 2.0 * size}};
     scene->objects.push_back(objectOf(static_cast<std::size_t>(i), shapes[i % 3]));
-    at.push_back(random.inBox(Vec3::Constant(-3.0), Vec3::Constant(3.0)));
+    at.push_back(random.inBox(Vec3::Constant(-2.0), Vec3::Constant(2.0)));
     velocity.push_back(random.vector(0.0, 5.0));
     spin.push_back(random.vector(0.0, 20.0));
   }
   const auto poseOf = [&](std::size_t i, int step) {
     const double t = kStep * step;
     const geometry::Quat turned(Eigen::AngleAxisd(spin[i].norm() * t, spin[i].normalized()));
-    return poseAt(t, at[i] + velocity[i] * t, turned);
+    return poseAt(t, at[i] + velocity[i] * (0.2 * std::sin(5.0 * t)), turned);
   };
   double seconds[2] = {1e9, 1e9};
   std::size_t events[2] = {};
@@ -113,7 +114,7 @@ void threadsLine(std::vector<Line>& lines) {
     }
   }
   lines.push_back(
-      lineOf("engine, 150 primitives, two threads", seconds[1], seconds[0], "one thread, wall time", 1.8,
+      lineOf("engine, 300 primitives, two threads", seconds[1], seconds[0], "one thread, wall time", 1.8,
              std::to_string(events[1]) + " events | - | " + std::to_string(events[0]) + " events | -"));
 }
 
