@@ -16,17 +16,17 @@ struct Bins {
   static constexpr int kMost = 16;
   int axis = 0, count = 0;  ///< count 0: not used
   float low = 0.0F, scale = 0.0F;
-  FloatBox box[kMost];
+  RegisterBox box[kMost];
   std::int32_t held[kMost];
 
-  void prepare(const FloatBox& all, std::size_t entries) {
+  void prepare(const RegisterBox& all, std::size_t entries) {
     axis = all.longestAxis();
     low = 2.0F * all.lower[axis];
     const float extent = 2.0F * (all.upper[axis] - all.lower[axis]);
     count = entries < 32 ? 8 : kMost;
     scale = static_cast<float>(count) / extent;
-    if (!(scale < FloatBox::kFar)) scale = 0.0F;
-    std::fill(box, box + count, FloatBox());
+    if (!(scale < RegisterBox::kFar)) scale = 0.0F;
+    std::fill(box, box + count, RegisterBox());
     std::fill(held, held + count, 0);
   }
   int of(const Entry& e) const {
@@ -42,7 +42,7 @@ struct Bins {
 /// Entries [begin, end) and the box around them.
 struct Part {
   std::size_t begin = 0, end = 0;
-  FloatBox box;
+  RegisterBox box;
 
   std::size_t count() const { return end - begin; }
 };
@@ -93,7 +93,7 @@ class Builder {
 
   /// Sets box and reach. A difference or a sum of two floats is off by 2^-24 of itself at most, and the
   /// origin, as a float, by that of itself. Each is given four times that.
-  void setBox(std::int32_t block, int lane, const FloatBox& box, std::size_t begin, std::size_t end) {
+  void setBox(std::int32_t block, int lane, const RegisterBox& box, std::size_t begin, std::size_t end) {
     holds_(BvhBlock::kWidth * block + lane, begin, end);
     const FourFloats centre = 0.5F * box.lower + 0.5F * box.upper;
     const FourFloats above = box.upper - centre, below = centre - box.lower;
@@ -200,14 +200,14 @@ class Builder {
       for (; place > 0 && before(moved, e[place - 1]); --place) e[place] = e[place - 1];
       e[place] = moved;
     }
-    FloatBox after[kFew];  // everything from entry i on
+    RegisterBox after[kFew];  // everything from entry i on
     after[count - 1] = e[count - 1].box;
     for (std::size_t i = count - 1; i > 0; --i) {
       after[i - 1] = after[i];
       after[i - 1].add(e[i - 1].box);
     }
-    FloatBox first;
-    float best = FloatBox::kFar;
+    RegisterBox first;
+    float best = RegisterBox::kFar;
     std::size_t left = 0;
     for (std::size_t i = 0; i + 1 < count; ++i) {
       first.add(e[i].box);
@@ -241,7 +241,7 @@ class Builder {
     behind.end = range.end;
     range.end = middle;
     for (Range* half : {&range, &behind}) {
-      half->box = FloatBox();
+      half->box = RegisterBox();
       for (std::size_t i = half->begin; i < half->end; ++i) half->box.add(entries_[i].box);
       countBins(*half);
     }
@@ -250,7 +250,7 @@ class Builder {
   /// False where all centres lie in one bin.
   bool halveByArea(Range& range, Range& behind) {
     const Bins bins = range.bins;
-    FloatBox after[Bins::kMost];  // everything in bin b and behind it
+    RegisterBox after[Bins::kMost];  // everything in bin b and behind it
     std::int32_t count_after[Bins::kMost];
     after[bins.count - 1] = bins.box[bins.count - 1];
     count_after[bins.count - 1] = bins.held[bins.count - 1];
@@ -259,10 +259,10 @@ class Builder {
       after[b].add(bins.box[b]);
       count_after[b] = count_after[b + 1] + bins.held[b];
     }
-    FloatBox sweep;
+    RegisterBox sweep;
     std::int32_t count = 0, left = 0;
     int best_bin = -1;
-    float best = FloatBox::kFar;
+    float best = RegisterBox::kFar;
     for (int b = 0; b + 1 < bins.count; ++b) {
       sweep.add(bins.box[b]);
       count += bins.held[b];

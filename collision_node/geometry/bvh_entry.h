@@ -10,12 +10,12 @@ namespace collision_node::geometry {
 typedef float FourFloats __attribute__((vector_size(16)));
 
 /// A box of floats, one register a side; the last lanes are not looked at.
-struct FloatBox {
+struct RegisterBox {
   static constexpr float kFar = std::numeric_limits<float>::infinity();
   FourFloats lower = {kFar, kFar, kFar, kFar};
   FourFloats upper = {-kFar, -kFar, -kFar, -kFar};
 
-  void add(const FloatBox& o) {
+  void add(const RegisterBox& o) {
     lower = o.lower < lower ? o.lower : lower;
     upper = o.upper > upper ? o.upper : upper;
   }
@@ -35,7 +35,7 @@ struct FloatBox {
 
 /// An element's box, with its number in a lane that nobody looks at: two to a line of the cache.
 struct alignas(32) Entry {
-  FloatBox box;
+  RegisterBox box;
 
   void setElement(std::int32_t element) {
     float bits;

@@ -17,18 +17,18 @@ int cellsAlong(std::size_t entries) {
 
 }  // namespace
 
-GridOrder::GridOrder(std::vector<Entry>& entries, std::vector<Entry>& aside, const FloatBox& all) {
+GridOrder::GridOrder(std::vector<Entry>& entries, std::vector<Entry>& aside, const RegisterBox& all) {
   constexpr std::size_t kLeast = 16384;
   const int along = cellsAlong(entries.size()), longest = all.longestAxis();
   const float per_length = static_cast<float>(along) / (2.0F * (all.upper[longest] - all.lower[longest]));
-  if (entries.size() < kLeast || !(per_length < FloatBox::kFar)) return;
+  if (entries.size() < kLeast || !(per_length < RegisterBox::kFar)) return;
   int size[3];
   for (int k = 0; k < 3; ++k)
     size[k] = std::clamp(1 + static_cast<int>(2.0F * (all.upper[k] - all.lower[k]) * per_length), 1, along);
   std::vector<std::int32_t> number(static_cast<std::size_t>(size[0] * size[1] * size[2]), kNone);
   std::vector<std::int32_t> cell_of(entries.size());
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    const FloatBox& box = entries[i].box;
+    const RegisterBox& box = entries[i].box;
     const FourFloats place = (box.lower + box.upper - 2.0F * all.lower) * per_length;
     int at[3];
     for (int k = 0; k < 3; ++k) at[k] = std::clamp(static_cast<int>(place[k]), 0, size[k] - 1);
@@ -67,7 +67,7 @@ std::int32_t GridOrder::split(std::size_t begin, std::size_t end) {
              last = order_.begin() + static_cast<std::ptrdiff_t>(end);
   const auto cell = [this](std::int32_t i) -> const Cell& { return cells_[static_cast<std::size_t>(i)]; };
   int low[3] = {kMostAlong, kMostAlong, kMostAlong}, high[3] = {0, 0, 0};
-  FloatBox all;
+  RegisterBox all;
   for (auto i = first; i != last; ++i) {
     all.add(cell(*i).box);
     for (int k = 0; k < 3; ++k) {
@@ -81,7 +81,7 @@ std::int32_t GridOrder::split(std::size_t begin, std::size_t end) {
       axis = k;
   }
   const int layers = high[axis] - low[axis] + 1;
-  FloatBox box[kMostAlong], behind[kMostAlong];
+  RegisterBox box[kMostAlong], behind[kMostAlong];
   std::size_t count[kMostAlong] = {}, entries = 0;
   for (auto i = first; i != last; ++i) {
     const int layer = cell(*i).place[axis] - low[axis];
@@ -95,9 +95,9 @@ std::int32_t GridOrder::split(std::size_t begin, std::size_t end) {
   }
   Split best{0, {}, {kNone, kNone}};
   int best_layer = -1;
-  float least = FloatBox::kFar;
+  float least = RegisterBox::kFar;
   std::size_t before = 0;
-  FloatBox sweep;
+  RegisterBox sweep;
   for (int layer = 0; layer + 1 < layers; ++layer) {
     sweep.add(box[layer]);
     before += count[layer];

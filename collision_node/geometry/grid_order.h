@@ -13,21 +13,21 @@ class GridOrder {
   /// A range of entries that is known to fall into two.
   struct Split {
     std::size_t middle;     ///< where the second begins
-    FloatBox box[2];        ///< of both
+    RegisterBox box[2];     ///< of both
     std::int32_t below[2];  ///< the splits of both; kNone where all lie in one cell
   };
   static constexpr std::int32_t kNone = -1;
 
   /// Sorts the entries, whose box is `all`, where there are enough of them to be worth it. `aside` is room
   /// for as many. The same entries give the same order on any machine.
-  GridOrder(std::vector<Entry>& entries, std::vector<Entry>& aside, const FloatBox& all);
+  GridOrder(std::vector<Entry>& entries, std::vector<Entry>& aside, const RegisterBox& all);
 
   std::int32_t root() const { return root_; }  ///< as Split::below
   const Split& operator[](std::int32_t i) const { return splits_[static_cast<std::size_t>(i)]; }
 
  private:
   struct Cell {
-    FloatBox box;
+    RegisterBox box;
     int place[3];  ///< in the grid
     std::size_t count = 0, begin = 0;
   };

@@ -12,11 +12,6 @@ inline bool meet(const Bounds& a, const Bounds& b) {
   return (a.lower.array() <= b.upper.array()).all() && (b.lower.array() <= a.upper.array()).all();
 }
 
-inline bool holds(const Bounds& outer, const Bounds& inner) {
-  return (outer.lower.array() <= inner.lower.array()).all() &&
-         (inner.upper.array() <= outer.upper.array()).all();
-}
-
 /// Rounded outward.
 Bounds grown(const Bounds& box, double by);
 

@@ -3,6 +3,7 @@
 
 #include <geometry_msgs/PoseStamped.h>
 #include <rosbag/bag.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <cmath>
 #include <filesystem>
@@ -41,6 +42,30 @@ time: {reorder: 0.1, max_gap: 0.3, timeout: 0.5, jump: 1.0}
 
 constexpr double kStart = -100.3, kSpeed = 1000.0;
 constexpr std::int64_t kFirstNs = 1'700'000'000'000'000'000;
+
+constexpr std::int64_t kMs = 1'000'000;
+
+/// `ns` after the first stamp.
+inline ros::Time after(std::int64_t ns) {
+  ros::Time time;
+  time.fromNSec(static_cast<std::uint64_t>(kFirstNs + ns));
+  return time;
+}
+
+inline tf2_msgs::TFMessage transform(const std::string& parent, const std::string& child, std::int64_t ns,
+                                     double x, double y = 0.0, double yaw = 0.0) {
+  tf2_msgs::TFMessage out;
+  out.transforms.resize(1);
+  auto& t = out.transforms[0];
+  t.header.frame_id = parent;
+  t.header.stamp = after(ns);
+  t.child_frame_id = child;
+  t.transform.translation.x = x;
+  t.transform.translation.y = y;
+  t.transform.rotation.z = std::sin(0.5 * yaw);
+  t.transform.rotation.w = std::cos(0.5 * yaw);
+  return out;
+}
 
 inline geometry_msgs::PoseStamped ballPose(int i, const std::string& frame = "world") {
   geometry_msgs::PoseStamped p;

@@ -1,7 +1,6 @@
 /// Robots whose links move by themselves, from bags to events: through tf frames, through joint states.
 #include <gtest/gtest.h>
 #include <sensor_msgs/JointState.h>
-#include <tf2_msgs/TFMessage.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -14,14 +13,6 @@
 
 namespace collision_node::test {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
-
-ros::Time after(std::int64_t ms) {
-  ros::Time time;
-  time.fromNSec(static_cast<std::uint64_t>(kFirstNs + ms * kMs));
-  return time;
-}
 
 /// A turning arm, a ball of radius 0.1 m at its end, 1 m from the joint; the joint stands `offset` m in front
 /// of the base.
@@ -48,29 +39,15 @@ const char* const kFingers =
 
 sensor_msgs::JointState jointAt(std::int64_t ms, const std::string& name, double position) {
   sensor_msgs::JointState out;
-  out.header.stamp = after(ms);
+  out.header.stamp = after(ms * kMs);
   out.name = {name};
   out.position = {position};
   return out;
 }
 
-tf2_msgs::TFMessage transform(const std::string& parent, const std::string& child, std::int64_t ms, double x,
-                              double yaw = 0.0) {
-  tf2_msgs::TFMessage out;
-  out.transforms.resize(1);
-  auto& t = out.transforms[0];
-  t.header.frame_id = parent;
-  t.header.stamp = after(ms);
-  t.child_frame_id = child;
-  t.transform.translation.x = x;
-  t.transform.rotation.z = std::sin(0.5 * yaw);
-  t.transform.rotation.w = std::cos(0.5 * yaw);
-  return out;
-}
-
 geometry_msgs::PoseStamped baseAt(std::int64_t ms, double x, double yaw = 0.0) {
   geometry_msgs::PoseStamped out;
-  out.header.stamp = after(ms);
+  out.header.stamp = after(ms * kMs);
   out.header.frame_id = "world";
   out.pose.position.x = x;
   out.pose.orientation.z = std::sin(0.5 * yaw);
@@ -128,7 +105,7 @@ const double kTouching = 2.0 * std::asin(0.1);
 TEST_F(Articulated, aJointTurnsItsLinkIntoATarget) {
   write([](rosbag::Bag& bag) {
     for (int i = 0; i <= 10; ++i)
-      bag.write("/joint_states", after(100 * i), jointAt(100 * i, "turn", 0.2 * i));
+      bag.write("/joint_states", after(100 * i * kMs), jointAt(100 * i, "turn", 0.2 * i));
   });
   const auto got = events(run(armUrdf(0), "pose: {fixed: {}}, joints: {topic: joint_states}", "[0, 1, 0]"));
   ASSERT_EQ(got.size(), 2u);
@@ -140,7 +117,7 @@ TEST_F(Articulated, tfFramesOfLinksDoTheSame) {
   write([](rosbag::Bag& bag) {
     bag.write("/tf_static", after(0), transform("world", "r/base", 0, 0.0));
     for (int i = 0; i <= 10; ++i)
-      bag.write("/tf", after(100 * i), transform("r/base", "r/arm", 100 * i, 0.0, 0.2 * i));
+      bag.write("/tf", after(100 * i * kMs), transform("r/base", "r/arm", 100 * i * kMs, 0.0, 0.0, 0.2 * i));
   });
   const auto got = events(run(armUrdf(0), "pose: {tf: r/base, links: true}", "[0, 1, 0]"));
   ASSERT_EQ(got.size(), 2u);
@@ -152,8 +129,8 @@ TEST_F(Articulated, tfFramesOfLinksDoTheSame) {
 TEST_F(Articulated, aMovingBaseCarriesItsJoints) {
   write([](rosbag::Bag& bag) {
     for (int ms = 0; ms <= 1050; ms += 10) {
-      if (ms % 70 == 0) bag.write("/base", after(ms), baseAt(ms, 0.0, 5e-4 * ms));
-      if (ms % 30 == 0) bag.write("/joint_states", after(ms), jointAt(ms, "turn", 1.5e-3 * ms));
+      if (ms % 70 == 0) bag.write("/base", after(ms * kMs), baseAt(ms, 0.0, 5e-4 * ms));
+      if (ms % 30 == 0) bag.write("/joint_states", after(ms * kMs), jointAt(ms, "turn", 1.5e-3 * ms));
     }
   });
   const auto got = events(run(armUrdf(0), "pose: {topic: base}, joints: {topic: joint_states}", "[0, 1, 0]"));
@@ -167,8 +144,8 @@ TEST_F(Articulated, theBoundOfTheDifferenceEntersTheModelFieldsOnly) {
   constexpr double kBase = 2.0, kJoint = 3.0;  // [rad/s]
   write([](rosbag::Bag& bag) {
     for (int ms = 0; ms <= 1050; ms += 10) {
-      if (ms % 70 == 0) bag.write("/base", after(ms), baseAt(ms, 0.0, 1e-3 * kBase * ms));
-      if (ms % 50 == 0) bag.write("/joint_states", after(ms), jointAt(ms, "turn", 1e-3 * kJoint * ms));
+      if (ms % 70 == 0) bag.write("/base", after(ms * kMs), baseAt(ms, 0.0, 1e-3 * kBase * ms));
+      if (ms % 50 == 0) bag.write("/joint_states", after(ms * kMs), jointAt(ms, "turn", 1e-3 * kJoint * ms));
     }
   });
   const auto got =
@@ -202,7 +179,7 @@ TEST_F(Articulated, theBoundOfTheDifferenceEntersTheModelFieldsOnly) {
 TEST_F(Articulated, linksOfOneObjectAreSweptAgainstEachOther) {
   write([](rosbag::Bag& bag) {
     for (int ms = 0; ms <= 900; ms += 300)
-      bag.write("/joint_states", after(ms), jointAt(ms, "close", 1e-3 * ms));
+      bag.write("/joint_states", after(ms * kMs), jointAt(ms, "close", 1e-3 * ms));
   });
   const std::string joints = "pose: {fixed: {}}, joints: {topic: joint_states}";
   const auto got = events(run(kFingers, joints, "[9, 9, 9]", "pairs: {self: true}\n"));
@@ -216,8 +193,8 @@ TEST_F(Articulated, linksOfOneObjectAreSweptAgainstEachOther) {
   write([](rosbag::Bag& bag) {
     bag.write("/tf_static", after(0), transform("world", "base", 0, 0.0));
     for (int ms = 0; ms <= 900; ms += 300) {
-      bag.write("/tf", after(ms), transform("base", "left", ms, -0.5 + 1e-3 * ms));
-      bag.write("/tf", after(ms), transform("base", "right", ms, 0.5 - 1e-3 * ms));
+      bag.write("/tf", after(ms * kMs), transform("base", "left", ms * kMs, -0.5 + 1e-3 * ms));
+      bag.write("/tf", after(ms * kMs), transform("base", "right", ms * kMs, 0.5 - 1e-3 * ms));
     }
   });
   const auto through_tf =
@@ -230,7 +207,7 @@ TEST_F(Articulated, linksOfOneObjectAreSweptAgainstEachOther) {
 TEST_F(Articulated, theSidesOfAnEventAreInTheOrderOfTheirLinksNames) {
   write([](rosbag::Bag& bag) {
     for (int ms = 0; ms <= 900; ms += 300)
-      bag.write("/joint_states", after(ms), jointAt(ms, "close", 1e-3 * ms));
+      bag.write("/joint_states", after(ms * kMs), jointAt(ms, "close", 1e-3 * ms));
   });
   for (const char* left : {"left", "zleft"}) {
     std::string urdf = kFingers;
@@ -266,8 +243,8 @@ TEST_F(Articulated, whatIsMissingOrWrongIsNamed) {
   const auto with_joint = [&](const std::string& name, double position) {
     write([&](rosbag::Bag& bag) {
       for (int ms = 0; ms <= 900; ms += 100) {
-        bag.write("/base", after(ms), baseAt(ms, 0.0));
-        bag.write("/joint_states", after(ms), jointAt(ms, name, position));
+        bag.write("/base", after(ms * kMs), baseAt(ms, 0.0));
+        bag.write("/joint_states", after(ms * kMs), jointAt(ms, name, position));
       }
     });
   };
@@ -298,7 +275,7 @@ TEST_F(Articulated, whatIsMissingOrWrongIsNamed) {
 TEST_F(Articulated, aJointThatNeverComesLeavesItsLinksUncovered) {
   write([](rosbag::Bag& bag) {
     for (int i = 0; i <= 10; ++i)
-      bag.write("/joint_states", after(100 * i), jointAt(100 * i, "lift", 0.2 * i));
+      bag.write("/joint_states", after(100 * i * kMs), jointAt(100 * i, "lift", 0.2 * i));
   });
   const std::string urdf =
       "<robot name='r'><link name='base'/>"
@@ -325,7 +302,7 @@ TEST_F(Articulated, aJointThatNeverComesLeavesItsLinksUncovered) {
 TEST_F(Articulated, aJointThatTurnsByMoreThanHalfATurnIsUncertified) {
   write([](rosbag::Bag& bag) {
     for (int i = 0; i <= 2; ++i)
-      bag.write("/joint_states", after(100 * i), jointAt(100 * i, "turn", 4.0 * i));
+      bag.write("/joint_states", after(100 * i * kMs), jointAt(100 * i, "turn", 4.0 * i));
   });
   const auto got = events(run(armUrdf(0), "pose: {fixed: {}}, joints: {topic: joint_states}", "[0, -1, 0]"));
   ASSERT_FALSE(got.empty());

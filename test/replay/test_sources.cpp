@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
-#include <tf2_msgs/TFMessage.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -14,29 +13,6 @@
 
 namespace collision_node::test {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
-
-ros::Time after(std::int64_t ns) {
-  ros::Time time;
-  time.fromNSec(static_cast<std::uint64_t>(kFirstNs + ns));
-  return time;
-}
-
-tf2_msgs::TFMessage transform(const std::string& parent, const std::string& child, std::int64_t ns, double x,
-                              double y = 0.0, double yaw = 0.0) {
-  tf2_msgs::TFMessage out;
-  out.transforms.resize(1);
-  auto& t = out.transforms[0];
-  t.header.frame_id = parent;
-  t.header.stamp = after(ns);
-  t.child_frame_id = child;
-  t.transform.translation.x = x;
-  t.transform.translation.y = y;
-  t.transform.rotation.z = std::sin(0.5 * yaw);
-  t.transform.rotation.w = std::cos(0.5 * yaw);
-  return out;
-}
 
 std::vector<YAML::Node> lines(const std::string& text) {
   std::istringstream in(text);

@@ -9,6 +9,11 @@
 namespace collision_node::scene {
 namespace {
 
+bool holds(const Bounds& outer, const Bounds& inner) {
+  return (outer.lower.array() <= inner.lower.array()).all() &&
+         (inner.upper.array() <= outer.upper.array()).all();
+}
+
 constexpr double kHalf = 0.125;  // half the contact distance [m]
 constexpr double kMaxGap = 1.0;  // [s]
 
