@@ -1,9 +1,9 @@
 #include "collision_node/geometry/body.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 
 #include "collision_node/geometry/convex_hull.h"
@@ -40,11 +40,30 @@ Bounds boundsOf(const Element& e) {
   return b;
 }
 
-/// The root of `i` in a union-find forest, with path halving.
-int rootOf(std::vector<int>& parent, int i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
+/// Which vertices hang together: each points to one before it, the first of all to itself, and one without a
+/// triangle nowhere.
+class Components {
+ public:
+  explicit Components(std::size_t vertices) : towards_(vertices, -1) {}
+
+  void join(const std::array<std::int32_t, 3>& triangle) {
+    const std::int32_t a = first(triangle[0]), b = first(triangle[1]), c = first(triangle[2]);
+    const std::int32_t least = std::min({a, b, c});
+    towards(a) = towards(b) = towards(c) = least;
+  }
+  bool isFirst(std::size_t vertex) const { return towards_[vertex] == static_cast<std::int32_t>(vertex); }
+
+ private:
+  std::int32_t& towards(std::int32_t vertex) { return towards_[static_cast<std::size_t>(vertex)]; }
+  /// Halves the way there.
+  std::int32_t first(std::int32_t vertex) {
+    if (towards(vertex) < 0) towards(vertex) = vertex;
+    while (towards(vertex) != vertex) vertex = towards(vertex) = towards(towards(vertex));
+    return vertex;
+  }
+
+  std::vector<std::int32_t> towards_;
+};
 
 }  // namespace
 
@@ -112,21 +131,14 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       for (const Vec3& p : mesh.vertices) vertices_.push_back(place(p));
       first_triangle_of_shape_[s] = static_cast<std::int32_t>(triangles_.size());
       triangles_.reserve(triangles_.size() + mesh.triangles.size());
-      std::vector<int> parent(mesh.vertices.size());
-      std::iota(parent.begin(), parent.end(), 0);
+      Components components(mesh.vertices.size());
       for (const auto& t : mesh.triangles) {
         const auto id = static_cast<std::int32_t>(triangles_.size());
         triangles_.push_back({{first_vertex + t[0], first_vertex + t[1], first_vertex + t[2]}, id});
-        const int root = rootOf(parent, t[0]);
-        parent[rootOf(parent, t[1])] = root;
-        parent[rootOf(parent, t[2])] = rootOf(parent, root);
+        components.join(t);
       }
-      std::vector<bool> seen(mesh.vertices.size(), false);
-      for (const auto& t : mesh.triangles) {
-        const int root = rootOf(parent, t[0]);
-        if (!seen[root]) representatives_.push_back(vertices_[first_vertex + t[0]]);
-        seen[root] = true;
-      }
+      for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+        if (components.isFirst(v)) representatives_.push_back(vertices_[first_vertex + v]);
       if (mesh.solid) solids_.push_back(static_cast<int>(s));
     }
     // A rotated coordinate and its sum with the origin: under sixteen roundings of terms of this size.
@@ -142,15 +154,13 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
     if (!std::holds_alternative<Convex>(shapes_[e.shape].shape)) e.frame = &frames_[p];
   }
   std::vector<Bounds> boxes;
-  boxes.reserve(elementCount());
-  for (const Triangle& t : triangles_) {
-    const Vec3 &a = vertices_[t.v[0]], &b = vertices_[t.v[1]], &c = vertices_[t.v[2]];
-    boxes.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
-  }
   for (const Element& e : primitives_) boxes.push_back(boundsOf(e));
-  if (boxes.empty()) throw std::invalid_argument("a body needs at least one triangle or primitive");
-  bvh_ = Bvh(boxes);
-  storeInOrderOfTheTree();
+  if (triangles_.empty() && boxes.empty())
+    throw std::invalid_argument("a body needs at least one triangle or primitive");
+  std::vector<std::int32_t> order;
+  bvh_ = Bvh(vertices_, triangles_, boxes, order);
+  storeInOrderOfTheTree(order);
+  bvh_.addPlates(vertices_, triangles_);
 
   // The sphere about the root box's centre; |v - c| of the outermost vertex, not the box's diagonal.
   const Vec3 c = centre();
@@ -176,16 +186,13 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
 }
 
 /// Triangles and vertices that are looked at together lie together.
-void Body::storeInOrderOfTheTree() {
-  std::vector<std::int32_t> new_id(elementCount()), new_vertex(vertices_.size(), -1);
-  std::iota(new_id.begin(), new_id.end(), 0);
+void Body::storeInOrderOfTheTree(const std::vector<std::int32_t>& order) {
+  std::vector<std::int32_t> new_vertex(vertices_.size(), -1);
   std::vector<Triangle> triangles;
   std::vector<Vec3> vertices;
   triangles.reserve(triangles_.size());
   vertices.reserve(vertices_.size());
-  for (const std::int32_t id : bvh_.order()) {
-    if (id >= triangle_count_) continue;
-    new_id[id] = static_cast<std::int32_t>(triangles.size());
+  for (const std::int32_t id : order) {
     Triangle t = triangles_[id];
     for (std::int32_t& v : t.v) {
       if (new_vertex[v] < 0) {
@@ -196,15 +203,9 @@ void Body::storeInOrderOfTheTree() {
     }
     triangles.push_back(t);
   }
-  bvh_.renumber(new_id);
   triangles_ = std::move(triangles);
   vertices.shrink_to_fit();
   vertices_ = std::move(vertices);
-  bvh_.addPlates([this](std::int32_t id) -> Bvh::Corners {
-    if (id >= triangle_count_) return {};
-    const Triangle& t = triangles_[id];
-    return {&vertices_[t.v[0]], &vertices_[t.v[1]], &vertices_[t.v[2]]};
-  });
 }
 
 const WideBvh& Body::buildWide() const {

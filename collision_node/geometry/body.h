@@ -79,12 +79,7 @@ class Body {
   double radius() const { return radius_; }  ///< of the bounding sphere about centre() [m]
 
  private:
-  struct Triangle {
-    std::int32_t v[3];
-    std::int32_t loaded;  ///< its number among all triangles as loaded
-  };
-
-  void storeInOrderOfTheTree();
+  void storeInOrderOfTheTree(const std::vector<std::int32_t>& order);
   const WideBvh& buildWide() const;
 
   std::vector<PlacedShape> shapes_;

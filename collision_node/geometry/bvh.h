@@ -6,9 +6,7 @@
 /// surface area heuristic; upper levels of large bodies between the cells of a grid (grid_order.h).
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "collision_node/geometry/types.h"
@@ -18,6 +16,12 @@ namespace collision_node::geometry {
 /// An axis-aligned box [m].
 struct Bounds {
   Vec3 lower, upper;
+};
+
+/// A triangle by its vertices.
+struct Triangle {
+  std::int32_t v[3];
+  std::int32_t loaded;  ///< its number among all triangles as loaded
 };
 
 /// One node, gathered from its block.
@@ -35,9 +39,12 @@ struct BvhNode {
 
 constexpr double kPlateLength = 127.0;
 
-/// Up to four nodes with the same parent, laid out so that one operation serves all of them.
+/// Up to four nodes with the same parent, laid out so that one operation serves all of them. In memory a
+/// block is followed by all that is below its first node, then by all that is below its second, and so on.
 struct alignas(16) BvhBlock {
   static constexpr int kWidth = 4;
+
+  BvhBlock() {}  // who makes it fills it
   float centre[3][kWidth];
   float half[3][kWidth];  ///< far below zero where there is no node: such a box meets nothing
   float reach[kWidth];
@@ -52,8 +59,13 @@ class Bvh {
   static constexpr std::int32_t kRoot = 0;
 
   Bvh() = default;
-  /// `boxes[i]` holds element i, in the body's frame. The same boxes give the same tree on any machine.
-  explicit Bvh(const std::vector<Bounds>& boxes);
+  /// Elements are the triangles, in the order of the tree, which is left in `order`, and then `others`, by
+  /// boxes in the body's frame. The same input gives the same tree on any machine.
+  Bvh(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
+      const std::vector<Bounds>& others, std::vector<std::int32_t>& order);
+  /// Gives a plate to every node that holds nothing but triangles. These, and the vertices, are in the order
+  /// in which the tree meets them first.
+  void addPlates(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles);
 
   /// Nodes are numbered 4 block + lane.
   BvhNode operator[](std::int32_t node) const;
@@ -70,29 +82,14 @@ class Bvh {
   std::size_t bytes() const { return blocks_.size() * sizeof(BvhBlock); }
   bool exists(std::int32_t node) const;
   const Vec3& origin() const { return origin_; }
-  /// The elements as a walk in depth first order meets them.
-  const std::vector<std::int32_t>& order() const { return order_; }
-  /// Element i is called new_id[i] from now on.
-  void renumber(const std::vector<std::int32_t>& new_id);
-  /// Gives a plate to every node that holds nothing but triangles. `corners(i)` are the three corners of
-  /// element i, or null when it is no triangle. May be called once, after renumber(); ends order().
-  using Corners = std::array<const Vec3*, 3>;
-  void addPlates(const std::function<Corners(std::int32_t)>& corners);
-
   /// The node's box in the body's frame: exact sums of doubles need not be representable, hence for proofs
   /// the caller works relative to origin(), or budgets for the sum.
   Vec3 centre(std::int32_t node) const;
   Vec3 half(std::int32_t node) const;
 
  private:
-  struct Held {  ///< the elements below a node: order_[begin, end)
-    std::int32_t begin = 0, end = 0;
-  };
-
   Vec3 origin_ = Vec3::Zero();
   std::vector<BvhBlock> blocks_;
-  std::vector<std::int32_t> order_;
-  std::vector<Held> held_;  ///< by node
 };
 
 inline BvhNode Bvh::operator[](std::int32_t node) const {

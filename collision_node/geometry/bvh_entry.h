@@ -5,19 +5,52 @@
 #include <cstring>
 #include <limits>
 
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
+
 namespace collision_node::geometry {
 
 typedef float FourFloats __attribute__((vector_size(16)));
 
+inline FourFloats smaller(const FourFloats& x, const FourFloats& y) { return x < y ? x : y; }
+inline FourFloats larger(const FourFloats& x, const FourFloats& y) { return x > y ? x : y; }
+inline FourFloats magnitude(const FourFloats& x) { return larger(x, -x); }
+inline FourFloats loadFour(const float* from) {
+  FourFloats x;
+  std::memcpy(&x, from, sizeof x);
+  return x;
+}
+inline void storeFour(float* to, const FourFloats& x) { std::memcpy(to, &x, sizeof x); }
+
+/// Rows become columns.
+inline void transpose(FourFloats row[4]) {
+#if defined(__SSE2__)
+  _MM_TRANSPOSE4_PS(row[0], row[1], row[2], row[3]);
+#else
+  for (int i = 0; i < 4; ++i) {
+    for (int k = 0; k < i; ++k) {
+      const float x = row[i][k];
+      row[i][k] = row[k][i];
+      row[k][i] = x;
+    }
+  }
+#endif
+}
+
 /// A box of floats, one register a side; the last lanes are not looked at.
 struct RegisterBox {
   static constexpr float kFar = std::numeric_limits<float>::infinity();
-  FourFloats lower = {kFar, kFar, kFar, kFar};
-  FourFloats upper = {-kFar, -kFar, -kFar, -kFar};
+  FourFloats lower, upper;
+
+  /// Holds nothing.
+  static RegisterBox none() {
+    return {FourFloats{kFar, kFar, kFar, kFar}, FourFloats{-kFar, -kFar, -kFar, -kFar}};
+  }
 
   void add(const RegisterBox& o) {
-    lower = o.lower < lower ? o.lower : lower;
-    upper = o.upper > upper ? o.upper : upper;
+    lower = smaller(o.lower, lower);
+    upper = larger(o.upper, upper);
   }
   float halfArea() const {
     const float x = upper[0] - lower[0], y = upper[1] - lower[1], z = upper[2] - lower[2];
@@ -37,15 +70,15 @@ struct RegisterBox {
 struct alignas(32) Entry {
   RegisterBox box;
 
-  void setElement(std::int32_t element) {
-    float bits;
-    std::memcpy(&bits, &element, sizeof bits);
-    box.upper[3] = bits;
+  void set(const RegisterBox& of, std::size_t element) {
+    box = of;
+    const auto number = static_cast<std::int32_t>(element);
+    std::memcpy(reinterpret_cast<char*>(&box.upper) + 12, &number, sizeof number);
   }
   std::int32_t element() const {
-    std::int32_t element;
-    std::memcpy(&element, reinterpret_cast<const char*>(&box.upper) + 12, sizeof element);
-    return element;
+    std::int32_t number;
+    std::memcpy(&number, reinterpret_cast<const char*>(&box.upper) + 12, sizeof number);
+    return number;
   }
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace collision_node::geometry {
 namespace {
@@ -17,46 +16,62 @@ int cellsAlong(std::size_t entries) {
 
 }  // namespace
 
-GridOrder::GridOrder(std::vector<Entry>& entries, std::vector<Entry>& aside, const RegisterBox& all) {
+GridOrder::GridOrder(const Elements& elements, Entry* entries) : largest_cell_(elements.size()) {
   constexpr std::size_t kLeast = 16384;
-  const int along = cellsAlong(entries.size()), longest = all.longestAxis();
+  const RegisterBox& all = elements.around();
+  const int along = cellsAlong(elements.size()), longest = all.longestAxis();
   const float per_length = static_cast<float>(along) / (2.0F * (all.upper[longest] - all.lower[longest]));
-  if (entries.size() < kLeast || !(per_length < RegisterBox::kFar)) return;
+  if (elements.size() < kLeast || !(per_length < RegisterBox::kFar)) {
+    for (std::size_t i = 0; i < elements.size(); ++i) entries[i].set(elements.box(i), i);
+  } else {
+    sort(elements, along, per_length, entries);
+  }
+}
+
+/// Two passes over the elements, each of which makes their boxes.
+void GridOrder::sort(const Elements& elements, int along, float per_length, Entry* entries) {
+  const RegisterBox& all = elements.around();
   int size[3];
   for (int k = 0; k < 3; ++k)
     size[k] = std::clamp(1 + static_cast<int>(2.0F * (all.upper[k] - all.lower[k]) * per_length), 1, along);
   std::vector<std::int32_t> number(static_cast<std::size_t>(size[0] * size[1] * size[2]), kNone);
-  std::vector<std::int32_t> cell_of(entries.size());
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    const RegisterBox& box = entries[i].box;
-    const FourFloats place = (box.lower + box.upper - 2.0F * all.lower) * per_length;
-    int at[3];
-    for (int k = 0; k < 3; ++k) at[k] = std::clamp(static_cast<int>(place[k]), 0, size[k] - 1);
+  std::vector<std::int32_t> cell_of;
+  cell_of.reserve(elements.size());
+  const FourFloats low = 2.0F * all.lower;
+  const FourFloats last = {static_cast<float>(size[0] - 1), static_cast<float>(size[1] - 1),
+                           static_cast<float>(size[2] - 1), 0.0F};
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const RegisterBox box = elements.box(i);
+    const FourFloats place = smaller(larger((box.lower + box.upper - low) * per_length, FourFloats{}), last);
+    const int at[3] = {static_cast<int>(place[0]), static_cast<int>(place[1]), static_cast<int>(place[2])};
     std::int32_t& cell = number[static_cast<std::size_t>(at[0] + size[0] * (at[1] + size[1] * at[2]))];
     if (cell == kNone) {
       cell = static_cast<std::int32_t>(cells_.size());
       order_.push_back(cell);
-      cells_.push_back({{}, {at[0], at[1], at[2]}, 0, 0});
+      cells_.push_back({RegisterBox::none(), {at[0], at[1], at[2]}, 0, 0});
     }
-    cell_of[i] = cell;
-    cells_[static_cast<std::size_t>(cell)].box.add(box);
-    ++cells_[static_cast<std::size_t>(cell)].count;
+    cell_of.push_back(cell);
+    Cell& to = cells_[static_cast<std::size_t>(cell)];
+    to.box.add(box);
+    ++to.count;
   }
   splits_.reserve(cells_.size());
   root_ = split(0, cells_.size());
 
-  std::vector<std::size_t> begins, next(cells_.size());
+  std::vector<std::size_t> begins;
   begins.reserve(cells_.size());
   std::size_t begin = 0;
-  for (const std::int32_t cell : order_) {
+  largest_cell_ = 0;
+  for (const std::int32_t i : order_) {
+    Cell& cell = cells_[static_cast<std::size_t>(i)];
     begins.push_back(begin);
-    next[static_cast<std::size_t>(cell)] = begin;
-    begin += cells_[static_cast<std::size_t>(cell)].count;
+    cell.next = begin;
+    begin += cell.count;
+    largest_cell_ = std::max(largest_cell_, cell.count);
   }
   for (Split& s : splits_) s.middle = begins[s.middle];
-  for (std::size_t i = 0; i < entries.size(); ++i)
-    aside[next[static_cast<std::size_t>(cell_of[i])]++] = entries[i];
-  std::swap(entries, aside);
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    entries[cells_[static_cast<std::size_t>(cell_of[i])].next++].set(elements.box(i), i);
 }
 
 /// Splits the cells order_[begin, end) at a plane of the grid, down to single ones, so that the order in
@@ -67,7 +82,7 @@ std::int32_t GridOrder::split(std::size_t begin, std::size_t end) {
              last = order_.begin() + static_cast<std::ptrdiff_t>(end);
   const auto cell = [this](std::int32_t i) -> const Cell& { return cells_[static_cast<std::size_t>(i)]; };
   int low[3] = {kMostAlong, kMostAlong, kMostAlong}, high[3] = {0, 0, 0};
-  RegisterBox all;
+  RegisterBox all = RegisterBox::none();
   for (auto i = first; i != last; ++i) {
     all.add(cell(*i).box);
     for (int k = 0; k < 3; ++k) {
@@ -82,7 +97,9 @@ std::int32_t GridOrder::split(std::size_t begin, std::size_t end) {
   }
   const int layers = high[axis] - low[axis] + 1;
   RegisterBox box[kMostAlong], behind[kMostAlong];
-  std::size_t count[kMostAlong] = {}, entries = 0;
+  std::size_t count[kMostAlong], entries = 0;
+  std::fill(box, box + layers, RegisterBox::none());
+  std::fill(count, count + layers, 0);
   for (auto i = first; i != last; ++i) {
     const int layer = cell(*i).place[axis] - low[axis];
     box[layer].add(cell(*i).box);
@@ -97,7 +114,7 @@ std::int32_t GridOrder::split(std::size_t begin, std::size_t end) {
   int best_layer = -1;
   float least = RegisterBox::kFar;
   std::size_t before = 0;
-  RegisterBox sweep;
+  RegisterBox sweep = RegisterBox::none();
   for (int layer = 0; layer + 1 < layers; ++layer) {
     sweep.add(box[layer]);
     before += count[layer];

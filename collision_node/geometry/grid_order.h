@@ -1,10 +1,10 @@
-/// The upper levels of a Bvh without a pass for each: entries are sorted into the cells of a grid once, and
-/// the cells are split where area times number of entries is smallest.
+/// The upper levels of a Bvh without a pass for each: elements are sorted into the cells of a grid once, and
+/// the cells are split where area times number of elements is smallest.
 #pragma once
 
 #include <vector>
 
-#include "collision_node/geometry/bvh_entry.h"
+#include "collision_node/geometry/bvh_elements.h"
 
 namespace collision_node::geometry {
 
@@ -18,22 +18,25 @@ class GridOrder {
   };
   static constexpr std::int32_t kNone = -1;
 
-  /// Sorts the entries, whose box is `all`, where there are enough of them to be worth it. `aside` is room
-  /// for as many. The same entries give the same order on any machine.
-  GridOrder(std::vector<Entry>& entries, std::vector<Entry>& aside, const RegisterBox& all);
+  /// Writes an entry for each element, in the order of the cells where there are enough of them to be worth
+  /// it, else as they are. The same elements give the same order on any machine.
+  GridOrder(const Elements& elements, Entry* entries);
 
   std::int32_t root() const { return root_; }  ///< as Split::below
   const Split& operator[](std::int32_t i) const { return splits_[static_cast<std::size_t>(i)]; }
+  std::size_t largestCell() const { return largest_cell_; }  ///< of how many entries nothing is known
 
  private:
   struct Cell {
     RegisterBox box;
     int place[3];  ///< in the grid
-    std::size_t count = 0, begin = 0;
+    std::size_t count, next;
   };
 
+  void sort(const Elements& elements, int along, float per_length, Entry* entries);
   std::int32_t split(std::size_t begin, std::size_t end);
 
+  std::size_t largest_cell_;
   std::vector<Cell> cells_;          ///< those that hold something
   std::vector<std::int32_t> order_;  ///< of the cells
   std::vector<Split> splits_;

@@ -69,6 +69,24 @@ std::vector<PlacedShape> everyShape(Random& random, int triangles) {
           {Convex{std::get<Mesh>(hull.shape).mesh}, hull.origin, "convex"}};
 }
 
+/// Rough ground of `along` times `along` squares, whose triangles share their corners and come in any order.
+PlacedShape ground(Random& random, int along, const Pose& origin) {
+  std::vector<Vec3> vertices;
+  std::vector<Corners> triangles;
+  for (int i = 0; i <= along; ++i)
+    for (int k = 0; k <= along; ++k) vertices.push_back({0.1 * i, 0.1 * k, random.in(0.0, 0.02)});
+  for (int i = 0; i < along; ++i) {
+    for (int k = 0; k < along; ++k) {
+      const int first = (along + 1) * i + k, next = first + along + 1;
+      triangles.push_back({first, first + 1, next});
+      triangles.push_back({next, first + 1, next + 1});
+    }
+  }
+  for (std::size_t i = triangles.size(); i > 1; --i)
+    std::swap(triangles[i - 1], triangles[static_cast<std::size_t>(random.in(0.0, static_cast<double>(i)))]);
+  return meshShape(std::move(vertices), std::move(triangles), origin);
+}
+
 constexpr int kMany = 20000;  ///< enough for the upper levels to be split between the cells of a grid
 
 struct Range {
@@ -126,9 +144,11 @@ TEST(Body, EveryElementLiesInEveryAncestorsBoxAndReach) {
   // "Boxes are axis-aligned in the object's frame and hold their elements, rounded outward"; "reach >=
   // distance of any point of the node from the frame's origin".
   Random random(kSeed);
-  for (int round = 0; round <= 20; ++round) {
+  for (int round = 0; round <= 21; ++round) {
     SCOPED_TRACE("seed " + std::to_string(kSeed) + " round " + std::to_string(round));
-    const Body body(everyShape(random, round < 20 ? 1 + 10 * round : kMany));
+    std::vector<PlacedShape> shapes = everyShape(random, round == 20 ? kMany : 1 + 10 * round);
+    if (round > 20) shapes.push_back(ground(random, 100, random.pose(2)));
+    const Body body(shapes);
     std::vector<std::int32_t> all;
     collect(body, 0, all);
     EXPECT_EQ(static_cast<std::int32_t>(all.size()), body.elementCount());
@@ -196,9 +216,11 @@ TEST(Body, EveryTriangleLiesInEveryAncestorsPlate) {
   // "|plate . (p - origin) - middle| <= half for every point p of the node", in exact arithmetic.
   Random random(kSeed + 7);
   int plates = 0;
-  for (int round = 0; round <= 10; ++round) {
+  for (int round = 0; round <= 16; ++round) {
     SCOPED_TRACE("seed " + std::to_string(kSeed + 7) + " round " + std::to_string(round));
-    const Body body(everyShape(random, round < 10 ? 1 + 20 * round : kMany));
+    std::vector<PlacedShape> shapes = everyShape(random, round == 10 ? kMany : 1 + 20 * round);
+    if (round > 10) shapes.push_back(ground(random, round == 16 ? 100 : round, random.pose(2)));
+    const Body body(shapes);
     const oracle::V3 origin = oracle::exact(body.bvh().origin());
     for (std::int32_t node = 0; node < body.bvh().size(); ++node) {
       if (!body.bvh().exists(node)) continue;
