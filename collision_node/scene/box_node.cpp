@@ -91,6 +91,7 @@ COLLISION_NODE_INLINE void findAll(const BoxNode* nodes, std::int32_t root, cons
   walk.room[0] = root;
   for (std::int32_t level = nodes[root].level; level >= 0; --level) {
     const std::size_t last = end;
+    walk.leaves = begin;
     for (; begin < last; ++begin) {
       if (end + kWidth > walk.room.size()) walk.room.resize(2 * walk.room.size());
       std::int32_t* const out = walk.room.data();
@@ -151,7 +152,6 @@ FloatBox BoxNode::bounds() const {
 }
 
 int BoxNode::bestLaneFor(const FloatBox& box) const {
-  constexpr float kShareOfArea = 0x1p-10F;  // among lanes that grow about alike, the smallest
   std::int32_t cost[kWidth];
   for (int first = 0; first < kWidth; first += kLanes) {
     Four::Floats own[3], joint[3];

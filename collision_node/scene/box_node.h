@@ -12,6 +12,8 @@ namespace collision_node::scene {
 
 struct alignas(64) BoxNode {
   static constexpr int kWidth = 16;
+  /// Of what comes to hold a box, among those whose surface grows about alike the smallest.
+  static constexpr float kShareOfArea = 0x1p-10F;
 
   float plane[6][kWidth];      ///< as in FloatBox; of a lane that is not in use: inside out
   std::int32_t child[kWidth];  ///< a node; on level 0: an item
@@ -42,10 +44,13 @@ struct alignas(64) BoxNode {
 /// A list that keeps its room, and what a walk has yet to see.
 struct BoxWalk {
   std::vector<std::int32_t> room;
-  std::size_t begin = 0, end = 0;
+  std::size_t leaves = 0, begin = 0, end = 0;
 
   const std::int32_t* items() const { return room.data() + begin; }
   std::size_t count() const { return end - begin; }
+  /// The nodes on level 0 that the items were looked for in.
+  const std::int32_t* leavesBegin() const { return room.data() + leaves; }
+  const std::int32_t* leavesEnd() const { return room.data() + begin; }
 };
 
 /// Leaves the items below `root` whose boxes meet what is asked about, and perhaps some whose boxes do not

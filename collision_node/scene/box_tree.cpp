@@ -45,10 +45,39 @@ std::int32_t BoxTree::newNode(std::int32_t level) {
   return index;
 }
 
-void BoxTree::insert(const FloatBox& box, std::int32_t item) {
+void BoxTree::makePlaceFor(std::int32_t item) {
   if (place_.size() <= static_cast<std::size_t>(item)) place_.resize(static_cast<std::size_t>(item) + 1);
   ++size_;
+}
+
+void BoxTree::insert(const FloatBox& box, std::int32_t item) {
+  makePlaceFor(item);
   insertAt(0, {box, item});
+}
+
+/// Whoever meets the box has been looked at: no way down from the root is needed to find out who grows least.
+void BoxTree::insert(const FloatBox& box, std::int32_t item, const BoxWalk& walk) {
+  std::int32_t best = -1;
+  float least = std::numeric_limits<float>::infinity();
+  for (const std::int32_t* at = walk.leavesBegin(); at != walk.leavesEnd(); ++at) {
+    const std::int32_t place = nodes_[*at].parent;
+    if (place < 0) break;
+    const FloatBox own = nodes_[place / kWidth].box(place % kWidth);
+    const float after = area(around(own, box)), cost = (after - area(own)) + BoxNode::kShareOfArea * after;
+    if (cost < least) {
+      least = cost;
+      best = *at;
+    }
+  }
+  if (best < 0) return insert(box, item);
+  makePlaceFor(item);
+  for (std::int32_t place = nodes_[best].parent; place >= 0; place = nodes_[place / kWidth].parent) {
+    BoxNode& above = nodes_[place / kWidth];
+    const FloatBox own = above.box(place % kWidth);
+    if (own.holds(box)) break;
+    above.setBox(place % kWidth, around(own, box));
+  }
+  put(best, {box, item});
 }
 
 void BoxTree::insertAt(std::int32_t level, const Entry& entry) {
@@ -139,6 +168,7 @@ void BoxTree::takeOut(std::int32_t place) {
   const std::int32_t at = place / kWidth;
   BoxNode& node = nodes_[at];
   const int lane = place % kWidth, last = --node.count;
+  const FloatBox gone = node.box(lane);
   if (lane != last) set(at, lane, {node.box(last), node.child[last]});
   node.clear(last);
   if (at == root_) {
@@ -149,7 +179,7 @@ void BoxTree::takeOut(std::int32_t place) {
   } else if (node.count < kFewest) {
     dissolve(at);
   } else {
-    shrink(at);
+    shrink(at, gone);
   }
 }
 
@@ -161,14 +191,18 @@ void BoxTree::dissolve(std::int32_t index) {
   for (int lane = 0; lane < node.count; ++lane) insertAt(node.level, {node.box(lane), node.child[lane]});
 }
 
-/// Makes the boxes above `node` as small as they may be.
-void BoxTree::shrink(std::int32_t node) {
+/// Makes the boxes above `node`, which no longer has `gone`, as small as they may be. What lay within a box
+/// and on none of its planes has not kept it large.
+void BoxTree::shrink(std::int32_t node, FloatBox gone) {
   while (node != root_) {
-    const FloatBox box = nodes_[node].bounds();
     const std::int32_t place = nodes_[node].parent;
     BoxNode& above = nodes_[place / kWidth];
-    if (box.holds(above.box(place % kWidth))) return;
+    const FloatBox before = above.box(place % kWidth);
+    if (before.holdsInside(gone)) return;
+    const FloatBox box = nodes_[node].bounds();
+    if (box.holds(before)) return;
     above.setBox(place % kWidth, box);
+    gone = before;
     node = place / kWidth;
   }
 }

@@ -17,6 +17,9 @@ class BoxTree {
 
   /// `item` >= 0 names the box; names are counted from 0 on, and no two boxes may have the same.
   void insert(const FloatBox& box, std::int32_t item);
+  /// The same, when find() was asked last about the box, or the line that it is around, and nothing was put in
+  /// or taken out since: `walk` is where it met others.
+  void insert(const FloatBox& box, std::int32_t item, const BoxWalk& walk);
   void remove(std::int32_t item);
   void clear();
   std::size_t size() const { return size_; }
@@ -33,6 +36,7 @@ class BoxTree {
     std::int32_t child;
   };
 
+  void makePlaceFor(std::int32_t item);
   std::int32_t newNode(std::int32_t level);
   void insertAt(std::int32_t level, const Entry& entry);
   void put(std::int32_t node, const Entry& entry);
@@ -40,7 +44,7 @@ class BoxTree {
   void split(std::int32_t node, const Entry& entry);
   void takeOut(std::int32_t place);
   void dissolve(std::int32_t node);
-  void shrink(std::int32_t node);
+  void shrink(std::int32_t node, FloatBox gone);
 
   std::vector<BoxNode> nodes_;
   std::vector<std::int32_t> place_;  ///< of an item: kWidth * node + lane

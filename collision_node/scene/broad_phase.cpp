@@ -110,6 +110,7 @@ const std::vector<int>& BroadPhase::stay(int object, const Bounds& box, Nanoseco
   return found_;
 }
 
+/// Right after ask().
 std::int32_t BroadPhase::begin(int object, const FloatBox& box, Nanoseconds from_ns, Nanoseconds to_ns) {
   std::int32_t index = free_;
   if (index < 0) {
@@ -121,7 +122,7 @@ std::int32_t BroadPhase::begin(int object, const FloatBox& box, Nanoseconds from
   }
   boxes_[index] = box;
   stays_[index] = {object, std::exchange(objects_[object].first, index), from_ns, to_ns};
-  tree_.insert(box, index);
+  tree_.insert(box, index, walk_);
   return index;
 }
 

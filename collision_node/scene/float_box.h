@@ -23,6 +23,15 @@ struct FloatBox {
     for (int k = 0; k < 3; ++k) all = all && plane[k] <= inner.plane[k] && inner.plane[3 + k] <= plane[3 + k];
     return all;
   }
+  /// And no two planes are the same.
+  bool holdsInside(const FloatBox& inner) const {
+    unsigned outside = 0;
+    for (int k = 0; k < 3; ++k) {
+      outside |= !(plane[k] < inner.plane[k]);
+      outside |= !(inner.plane[3 + k] < plane[3 + k]);
+    }
+    return outside == 0;
+  }
 };
 
 inline FloatBox around(const FloatBox& a, const FloatBox& b) {

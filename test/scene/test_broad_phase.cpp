@@ -215,7 +215,12 @@ TEST_F(BroadPhaseTest, BoxesInATreeAreFoundAsInAList) {
         free.pop_back();
       }
       list[item] = imageOf(grown({at, at}, std::exp(real(-2.0, 4.0))), Vec3::Zero());
-      tree.insert(list[item], item);
+      if (random_() % 2 == 0) {
+        tree.insert(list[item], item);
+      } else {
+        tree.find(list[item], walk);
+        tree.insert(list[item], item, walk);
+      }
     } else {
       const auto at = std::next(list.begin(), static_cast<std::ptrdiff_t>(random_() % list.size()));
       tree.remove(at->first);
