@@ -17,8 +17,8 @@ class BoxTree {
 
   /// `item` >= 0 names the box; names are counted from 0 on, and no two boxes may have the same.
   void insert(const FloatBox& box, std::int32_t item);
-  /// The same, when find() was asked last about the box, or the line that it is around, and nothing was put in
-  /// or taken out since: `walk` is where it met others.
+  /// The same, when find() was asked last about the box, or the line that it is around, and nothing was put
+  /// in or taken out since: `walk` is where it met others.
   void insert(const FloatBox& box, std::int32_t item, const BoxWalk& walk);
   void remove(std::int32_t item);
   void clear();
