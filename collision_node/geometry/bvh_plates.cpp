@@ -123,7 +123,8 @@ class Plates {
   /// Across the mean normal. Any direction is sound; short ones keep |plate| below its limit.
   static void setAxis(BvhBlock& block, int lane, const Vec3& normal, float axis[3][kWidth]) {
     const double length = normal.norm();
-    const double scale = length > 0.0 ? (kPlateLength - 1.0) / length : 0.0;
+    if (!(length > 0.0 && length < std::numeric_limits<double>::infinity())) return;
+    const double scale = (kPlateLength - 1.0) / length;
     for (int k = 0; k < 3; ++k) {
       constexpr int kAbove = 256;  // is cut off as it is rounded, whatever the sign
       const int nearest = static_cast<int>(normal[k] * scale + (kAbove + 0.5)) - kAbove;

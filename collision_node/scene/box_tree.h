@@ -21,6 +21,7 @@ class BoxTree {
   /// in or taken out since: `walk` is where it met others.
   void insert(const FloatBox& box, std::int32_t item, const BoxWalk& walk);
   void remove(std::int32_t item);
+  void remove(const std::vector<std::int32_t>& items);
   void clear();
   std::size_t size() const { return size_; }
 

@@ -134,13 +134,15 @@ void BroadPhase::close(int object, Nanoseconds ns) {
 }
 
 void BroadPhase::forgetBefore(Nanoseconds ns) {
-  endings_.advance(ns, [this](std::int32_t index) {
-    tree_.remove(index);
+  over_.clear();
+  endings_.advance(ns, [this](std::int32_t index) { over_.push_back(index); });
+  tree_.remove(over_);
+  for (const std::int32_t index : over_) {
     Stay& stay = stays_[index];
     std::int32_t* link = &objects_[stay.object].first;
     while (*link != index) link = &stays_[*link].next;
     *link = std::exchange(stay.next, std::exchange(free_, index));
-  });
+  }
 }
 
 bool BroadPhase::mayMeet(int a, int b) const {

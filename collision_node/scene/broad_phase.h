@@ -81,6 +81,7 @@ class BroadPhase {
   std::vector<FloatBox> boxes_;  ///< of the stays
   std::int32_t free_ = -1;       ///< stays that are none hang together by `next`
   Endings endings_;              ///< of stays that are over
+  std::vector<std::int32_t> over_;
   BoxWalk walk_;
   std::vector<int> found_;
 };
