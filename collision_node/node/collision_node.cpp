@@ -9,6 +9,7 @@
 #include "collision_node/messages/event_text.h"
 #include "collision_node/messages/resources.h"
 #include "collision_node/node/diagnostics.h"
+#include "collision_node/scene/needs.h"
 
 namespace collision_node::node {
 
@@ -105,6 +106,7 @@ void CollisionNode::start(const Parameters& parameters, std::shared_ptr<const sc
   std_msgs::String plan;
   plan.data = scene::planText(*scene_);
   plan_.publish(plan);
+  for (const std::string& line : scene::leftOut(*scene_)) ROS_INFO_STREAM("left out: " << line);
   subscribe();
 }
 

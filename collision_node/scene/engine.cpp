@@ -7,6 +7,7 @@
 
 #include "collision_node/scene/event_queue.h"
 #include "collision_node/scene/fingerprint.h"
+#include "collision_node/scene/needs.h"
 #include "collision_node/scene/pair_table.h"
 #include "collision_node/scene/scene_tracks.h"
 #include "collision_node/scene/time_line.h"
@@ -50,6 +51,7 @@ class Engine::Impl {
   void heartbeat(Nanoseconds stamp_ns);
 
   std::shared_ptr<const Scene> scene_;
+  std::vector<Need> needs_;  ///< by object
   Sinks sinks_;
   TimeLine time_line_;
   PairTable pairs_;
@@ -65,6 +67,7 @@ class Engine::Impl {
 Engine::Impl::Impl(std::shared_ptr<const Scene> scene, const MethodFactory& make_method, Sinks sinks,
                    const EngineOptions& options)
     : scene_(std::move(scene)),
+      needs_(needsOf(*scene_)),
       sinks_(std::move(sinks)),
       time_line_(makeTracks(*scene_), toNanoseconds(scene_->time.timeout)),
       pairs_(*scene_, time_line_, make_method, options),
@@ -80,6 +83,8 @@ void Engine::Impl::addPose(int object, const motion::StampedPose& pose, bool gue
   if (object < 0 || object >= static_cast<int>(scene_->objects.size()))
     throw std::invalid_argument("pose for object number " + std::to_string(object) + "; the scene has " +
                                 std::to_string(scene_->objects.size()));
+  if (needs_[object] != Need::kWatched && scene_->objects[object].source.type != PoseSource::Type::kFixed)
+    return;
   if (time_line_.tracks()[object].isFixed())
     throw std::invalid_argument("pose for object " + scene_->objects[object].name + ", whose pose is fixed");
   time_line_.add(object, pose, guessed_stamp);
