@@ -187,6 +187,7 @@ void CollisionNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
   Health health;
   health.name = private_handle_.getNamespace();  // of the nodelet, not of its manager
   health.scene = scene_->file;
+  health.has_pairs = scene_->pairs.count(scene_->objects) > 0;
   health.epoch = epoch_;
   health.messages = messages_;
   health.events = events_;
