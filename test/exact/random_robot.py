@@ -7,7 +7,7 @@ import struct
 
 import numpy as np
 
-from turning_parts import Part, Robot
+from turning_parts import Part, Robot, times
 
 
 def matrix_of_rpy(roll, pitch, yaw):
@@ -107,11 +107,15 @@ def random_robot(rng, folder, name, offset, start, seconds):
         links[link] = parts
     path = folder / (name + '.urdf')
     path.write_text('\n'.join(xml + ['</robot>']), encoding='ascii')
-    if rng.random() < 0.5:
-        return Robot(links, [('pose', random_poses(rng, start, seconds, offset, 2.5, 3.0))]), path
-    carrier = random_poses(rng, start, seconds, offset, 2.0, 0.5)
-    return Robot(links, [('carrier', carrier), (rng.choice(['pose', 'transform']),
-                                                random_poses(rng, start, seconds, np.zeros(3), 0.7, 0.5))]), path
+    motion = rng.choice(['slerp', 'slerp', 'slerp', 'hermite', 'spin', 'ride', 'ride', 'ride'])
+    if motion == 'ride':
+        sent = [('carrier', random_poses(rng, start, seconds, offset, 2.0, 0.5)),
+                (rng.choice(['pose', 'transform']), random_poses(rng, start, seconds, np.zeros(3), 0.7, 0.5))]
+        return Robot(links, sent), path
+    poses = random_poses(rng, start, seconds, offset, 2.5, 3.0)
+    if motion != 'slerp':
+        poses = with_twists(rng, poses, motion)
+    return Robot(links, [('pose' if motion == 'slerp' else 'odometry', poses)], motion), path
 
 
 def random_poses(rng, start, seconds, offset, room, turn):
@@ -131,3 +135,15 @@ def random_poses(rng, start, seconds, offset, room, turn):
         change = np.array([rng.gauss(0, 1) for _ in range(4)])
         q = change if turn >= 3 else q + change / np.linalg.norm(change) * turn / 2
     return poses
+
+
+def with_twists(rng, poses, motion):
+    """The same positions with velocities; for `spin`, orientations that turn about one axis at up to some turns a step."""
+    rate = np.array([rng.gauss(0, rng.choice([3, 100])) for _ in range(3)])
+    found = []
+    for stamp, position, turn in poses:
+        if motion == 'spin':
+            half = np.linalg.norm(rate) * (stamp - poses[0][0]) * 1e-9 / 2
+            turn = times(np.append(np.sin(half) * rate / np.linalg.norm(rate), np.cos(half)), np.array(poses[0][2]))
+        found.append((stamp, position, turn, np.array([rng.gauss(0, 10) for _ in range(3)]), rate))
+    return found

@@ -20,41 +20,51 @@ import numpy as np
 import rosbag
 import rospy
 from geometry_msgs.msg import PoseStamped, TransformStamped
+from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 
 from random_robot import random_robot
-from turning_parts import Part, Piece, changes, link_gap, parted, pieces
+from turning_parts import Part, changes, link_gap, matrix_of, parted, pieces
 
 TIME_SLACK = 2e-11  # [s], of the answer's own rounding
 LENGTH_SLACK = 1e-8  # [m], of the same at offsets of 5e5 m
 
 
-def message_of(what, name, stamp, position, turn):
+def fill(fields, values):
+    for name, number in zip('xyzw', values):
+        setattr(fields, name, number)
+
+
+def message_of(what, name, stamp, position, turn, linear=None, angular=None):
     """(topic, message)."""
-    if what == 'pose':
-        message = PoseStamped()
-        p, q = message.pose.position, message.pose.orientation
-    else:
-        message = TransformStamped()
-        p, q = message.transform.translation, message.transform.rotation
-        message.child_frame_id = name if what == 'transform' else 'carrier_of_' + name
+    message = {'pose': PoseStamped, 'odometry': Odometry}.get(what, TransformStamped)()
     message.header.stamp = rospy.Time(stamp // 10**9, stamp % 10**9)
-    p.x, p.y, p.z = position
-    q.x, q.y, q.z, q.w = turn
-    return ('/' + name, message) if what == 'pose' else ('/tf', message)
+    if what in ('pose', 'odometry'):
+        pose = message.pose if what == 'pose' else message.pose.pose
+        fill(pose.position, position)
+        fill(pose.orientation, turn)
+        if what == 'odometry':
+            to_child = matrix_of(turn).T
+            fill(message.twist.twist.linear, to_child @ linear)
+            fill(message.twist.twist.angular, to_child @ angular)
+        return '/' + name, message
+    message.child_frame_id = name if what == 'transform' else 'carrier_of_' + name
+    fill(message.transform.translation, position)
+    fill(message.transform.rotation, turn)
+    return '/tf', message
 
 
 def write_bag(path, rng, robots):
     arrivals = []
     for name, robot in robots.items():
         for i, (what, poses) in enumerate(robot.sent):
-            for stamp, position, turn in poses:
+            for stamp, position, turn, *twist in poses:
                 if rng.random() < 0.5:
                     turn = tuple(-x for x in turn)  # the same orientation
-                topic, message = message_of(what, name, stamp, position, turn)
+                topic, message = message_of(what, name, stamp, position, turn, *twist)
                 message.header.frame_id = 'world' if i == 0 else 'carrier_of_' + name
                 arrivals.append((stamp + rng.randrange(5 * 10**7), topic, len(arrivals),
-                                 message if what == 'pose' else TFMessage([message])))
+                                 TFMessage([message]) if topic == '/tf' else message))
     with rosbag.Bag(str(path), 'w') as bag:
         for received, topic, _, message in sorted(arrivals, key=lambda arrival: arrival[:3]):
             bag.write(topic, message, rospy.Time(received // 10**9, received % 10**9))
@@ -68,7 +78,7 @@ def poses_at(a, b, event, seconds, origin):
     """Of both robots, so many seconds after the event's interval_start."""
     begin = max(x for x, _ in pieces(a, b) if x <= event['interval_start'])
     s = (event['interval_start'] - begin) * 1e-9 + seconds
-    return Piece(a.poses, begin, origin).at(s), Piece(b.poses, begin, origin).at(s)
+    return a.piece(begin, origin).at(s), b.piece(begin, origin).at(s)
 
 
 def contact_faults(a, b, event, origin):
@@ -137,8 +147,9 @@ def main():
             robots, scene = {}, ['objects:']
             for i in range(rng.choice([2, 3])):
                 robots['robot_%d' % i], path = random_robot(rng, folder, 'robot_%d' % i, offset, start, 1)
-                source = 'tf' if robots['robot_%d' % i].sent[-1][0] == 'transform' else 'topic'
-                scene.append('  robot_%d: {urdf: %s, pose: {%s: robot_%d}}' % (i, path, source, i))
+                robot = robots['robot_%d' % i]
+                source = 'tf' if robot.sent[-1][0] == 'transform' else 'topic'
+                scene.append('  robot_%d: {urdf: %s, pose: {%s: robot_%d}, motion: %s}' % (i, path, source, i, robot.motion))
             write_bag(folder / 'in.bag', rng, robots)
             (folder / 'scene.yaml').write_text('\n'.join(scene) + '\n', encoding='ascii')
             done = subprocess.run([replay, folder / 'scene.yaml', folder / 'in.bag', '--jsonl', folder / 'out.jsonl'],

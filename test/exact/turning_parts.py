@@ -67,11 +67,11 @@ def parted(a, b, pose_a, pose_b):
 
 
 class Robot:
-    """`links`: name -> parts in the robot's frame. `sent`: what is sent, [(what, poses)] with poses
-    [(stamp in ns, position, quaternion)]."""
+    """`links`: name -> parts in the robot's frame. `sent`: what is sent, [(what, poses)]; a pose is (stamp in ns, position,
+    quaternion) and, of an `odometry`, its linear and angular velocity in the world. `motion`: slerp, hermite or spin."""
 
-    def __init__(self, links, sent):
-        self.links, self.sent = links, sent
+    def __init__(self, links, sent, motion='slerp'):
+        self.links, self.sent, self.motion = links, sent, motion
         self.poses = sent[0][1] if len(sent) == 1 else composed(sent[0][1], sent[1][1])
         self.balls = {}
         for name, parts in links.items():
@@ -80,26 +80,38 @@ class Robot:
             self.balls[name] = centre, max(np.linalg.norm(p.corners - centre, axis=1).max() + p.radius for p in parts)
         self.reach = max(np.linalg.norm(p.corners, axis=1).max() + p.radius for parts in links.values() for p in parts)
 
+    def piece(self, begin, origin):
+        return Piece(self.poses, begin, origin, self.motion)
+
 
 class Piece:
     """What has `poses` between two of their stamps; positions are relative to `origin`, times in s after `begin`."""
 
-    def __init__(self, poses, begin, origin):
+    def __init__(self, poses, begin, origin, motion='slerp'):
         before, after = next(s for s in zip(poses, poses[1:]) if s[0][0] <= begin < s[1][0])
-        self.late, self.seconds = (begin - before[0]) * 1e-9, (after[0] - before[0]) * 1e-9
-        self.start, self.turn = np.array(before[1]) - origin, np.array(before[2])
-        self.velocity = (np.array(after[1]) - np.array(before[1])) / self.seconds
+        self.late, seconds = (begin - before[0]) * 1e-9, (after[0] - before[0]) * 1e-9
+        way, self.turn = np.array(after[1]) - np.array(before[1]), np.array(before[2])
+        ends = [before[3], after[3]] if motion == 'hermite' else [way / seconds] * 2
+        # Bezier's middle points keep the velocities at both ends.
+        points = [np.zeros(3), ends[0] * seconds / 3, way - ends[1] * seconds / 3, way]
+        self.speed = 3 * max(np.linalg.norm(q - p) for p, q in zip(points, points[1:])) / seconds
+        self.cubic = [np.array(before[1]) - origin, ends[0], (3 * way / seconds - 2 * ends[0] - ends[1]) / seconds,
+                      (ends[0] + ends[1] - 2 * way / seconds) / seconds**2]
         arc = times(np.array(after[2]), self.turn * (-1, -1, -1, 1))
         arc = arc if arc[3] >= 0 else -arc
         sine = np.linalg.norm(arc[:3])
         self.axis = arc[:3] / sine if sine > 0 else np.zeros(3)
-        self.spin = 2 * np.arctan2(sine, arc[3]) / self.seconds
+        angle = 2 * np.arctan2(sine, arc[3])
+        if motion == 'spin':
+            meant = (before[4] + after[4]) / 2 @ self.axis * seconds
+            angle += 2 * np.pi * np.round((meant - angle) / (2 * np.pi))
+        self.spin = angle / seconds
 
     def pose(self, s):
         """(position, quaternion)."""
-        half = self.spin * (s + self.late) / 2
-        arc = np.append(np.sin(half) * self.axis, np.cos(half))
-        return self.start + (s + self.late) * self.velocity, times(arc, self.turn)
+        s = s + self.late
+        arc = np.append(np.sin(self.spin * s / 2) * self.axis, np.cos(self.spin * s / 2))
+        return self.cubic[0] + s * (self.cubic[1] + s * (self.cubic[2] + s * self.cubic[3])), times(arc, self.turn)
 
     def at(self, s):
         """(position, matrix)."""
@@ -138,9 +150,8 @@ def changes(a, b, link_a, link_b, origin):
     """[(kind, piece's begin in ns, seconds after it)]."""
     found, touching = [], None
     for begin, end in pieces(a, b):
-        path_a, path_b, length = Piece(a.poses, begin, origin), Piece(b.poses, begin, origin), (end - begin) * 1e-9
-        fastest = (np.linalg.norm(path_a.velocity - path_b.velocity) + path_a.spin * a.reach + path_b.spin * b.reach
-                   + 1e-9)
+        path_a, path_b, length = a.piece(begin, origin), b.piece(begin, origin), (end - begin) * 1e-9
+        fastest = (path_a.speed + path_b.speed + abs(path_a.spin) * a.reach + abs(path_b.spin) * b.reach + 1e-9)
 
         def gap(s):
             return link_gap(a, b, link_a, link_b, path_a.at(s), path_b.at(s))
