@@ -46,6 +46,7 @@ class Engine::Impl {
   void startEpoch();
   void prune();
   Instant decidedUpTo() const;
+  Instant publishedUpTo() const { return std::min(published_, decidedUpTo()); }
   void publishBefore(const Instant& limit);
   void publishAll() { publishBefore(instantAt(kForEver)); }
   void heartbeat(Nanoseconds stamp_ns);
@@ -60,6 +61,7 @@ class Engine::Impl {
   std::vector<int> changed_;                 ///< tracks that pruning has not looked at
   std::vector<std::size_t> prune_at_;        ///< by track: samples kept
   std::optional<Nanoseconds> solved_to_ns_;  ///< the watermark that pairs have been solved at
+  Instant published_;                        ///< every event before it that could be known has been published
   Nanoseconds last_beat_ns_ = kNever;
   double worst_bracket_ = 0.0, worst_position_error_ = 0.0;
 };
@@ -177,6 +179,7 @@ void Engine::Impl::startEpoch() {
   queue_.newEpoch();
   changed_.clear();
   solved_to_ns_.reset();
+  published_ = instantAt(kNever);
   last_beat_ns_ = kNever;
 }
 
@@ -192,7 +195,7 @@ void Engine::Impl::prune() {
 
 // ---- out
 
-/// No event before this can still come.
+/// No event before this can still come, once what is known is solved.
 Instant Engine::Impl::decidedUpTo() const {
   const Nanoseconds watermark = *time_line_.watermark();
   Nanoseconds known = watermark, frozen = kForEver;
@@ -203,7 +206,7 @@ Instant Engine::Impl::decidedUpTo() const {
   if (frozen < kForEver) {
     // What moves beside a frozen object is solved by whole pieces: up to its last stamp that is known.
     for (const Track& track : tracks)
-      if (track.status() == Track::Status::kLive && track.lastReleased())
+      if (track.status() == Track::Status::kLive && track.lastReleased() && !track.isFrozen())
         known =
             std::min(known, std::max(frozen, track.stamp(track.indexAt(watermark, track.endIndex() - 1))));
   }
@@ -219,6 +222,7 @@ void Engine::Impl::publishBefore(const Instant& limit) {
     worst_position_error_ = std::max(worst_position_error_, event.position_error);
     if (sinks_.event) sinks_.event(event);
   }
+  published_ = std::max(published_, limit);
 }
 
 std::optional<Nanoseconds> Engine::Impl::beatDue() const {
@@ -246,7 +250,7 @@ Stats Engine::Impl::stats() const {
   stats.stamp_ns = time_line_.newestReleased().value_or(0);
   stats.has_watermark = time_line_.watermark().has_value();
   if (stats.has_watermark) {
-    stats.watermark_ns = decidedUpTo().ns;
+    stats.watermark_ns = publishedUpTo().ns;
     stats.latency = motion::secondsBetween(stats.watermark_ns, time_line_.newestDelivered());
   }
   stats.worst_bracket = worst_bracket_;
@@ -272,7 +276,7 @@ Cut Engine::Impl::cut() {
 bool Engine::Impl::hasPublished(std::uint32_t epoch, std::optional<Nanoseconds> stamp_ns) const {
   if (time_line_.epoch() != epoch) return time_line_.epoch() > epoch;
   if (!stamp_ns) return true;
-  return time_line_.watermark() && instantAt(*stamp_ns) < decidedUpTo();
+  return time_line_.watermark() && instantAt(*stamp_ns) < publishedUpTo();
 }
 
 // ---- the public face

@@ -74,6 +74,32 @@ TEST(EngineBreaks, TheWatermarkWaitsForWhatMovesBesideAFrozenObject) {
   EXPECT_EQ(rig.events[0].stamp_ns, 3200 * kMs);
 }
 
+// engine.h: "Every event of earlier epochs, and of `epoch` up to and including `stamp_ns`, has been
+// published."
+TEST(EngineBreaks, AFrozenObjectThatComesBackDecidesNothing) {
+  Object sleeper = movingSphere("sleeper");
+  sleeper.on_timeout = OnTimeout::kFreeze;
+  const auto scene = sceneOf({movingSphere("clock"), sleeper, movingSphere("slow")});
+  scene->stats_period = 100.0;  // a heartbeat would solve what waits
+  Rig rig(scene);
+  rig.feedLine(1, 0, 200, 100, 17.0, 0.0);
+  for (Nanoseconds t = 0; t <= 5000; t += 100) {
+    if (t % 1000 == 0) rig.engine.addPose(2, poseAt(t, 0.005 * static_cast<double>(t)));
+    if (t >= 1400) rig.engine.addPose(0, poseAt(t - 1400, 100.0));
+  }
+  ASSERT_EQ(rig.engine.stats().watermark_ns, 3000 * kMs);
+  // Whether it waits or is released, the contact at 3.2 s is not published: the clock stands at 3.5 s.
+  for (const Nanoseconds t : {5000, 5200}) {
+    rig.engine.addPose(1, poseAt(t, 17.0));
+    EXPECT_TRUE(rig.events.empty());
+    EXPECT_EQ(rig.engine.stats().watermark_ns, 3000 * kMs) << t;
+    EXPECT_FALSE(rig.engine.hasPublished(0, 3300 * kMs)) << t;
+  }
+  rig.feedLine(0, 3700, 5000, 100, 100.0, 0.0);
+  EXPECT_EQ(rig.events.size(), 2u);
+  EXPECT_TRUE(rig.engine.hasPublished(0, 3300 * kMs));
+}
+
 TEST(EngineBreaks, AnObjectThatNeverComesIsNamed) {
   Rig rig(sceneOf({movingSphere("absent"), movingSphere("ball"), fixedSphere("wall", 10.0)}));
   rig.feedLine(1, 0, 1600, 100, 0.0, 20.0);
