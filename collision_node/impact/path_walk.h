@@ -53,8 +53,8 @@ struct ShearedFrame {
 struct PathWalk {
   /// The path p + t v, t in [from, to], p and v in the frame of the hierarchy's vertices [m], [m/s]; v is not
   /// zero. `tube` [m] is how far from it a triangle is still met, `sheared_tube` the same in sheared
-  /// coordinates beyond their error; 0 where only what the line itself may meet counts. `size` [m] bounds the
-  /// path's distance from any vertex.
+  /// coordinates beyond their error; 0 where only what the line itself may meet counts. `size` [m] is
+  /// twice a bound of |p| + |vertex| at both ends.
   PathWalk(const WideBvh& bvh, const ShearedFrame& frame, const Vec3& p, const Vec3& v, double from,
            double to, double tube, double sheared_tube, double size, Lanes fastest);
 
@@ -66,8 +66,8 @@ struct PathWalk {
   Lanes lanes;
   bool misses = true;  ///< the root box: nothing to walk
   double start, span;  ///< [s] of parameter 0, and per parameter
-  // Boxes, in the hierarchy's units; the path's parameter runs from 0 to 1 inside the root box.
-  // Of x y z; the fourth numbers are not used.
+  // Boxes, in the hierarchy's units; the path's parameter runs from 0 to 1 inside the root box. Of x y z; the
+  // fourth numbers are not used.
   float near_origin[4], far_origin[4], near_inverse[4], far_inverse[4];
   std::int64_t near_plane[4], far_plane[4];  ///< from WideNode::plane, in floats
   float begin = 0.0f;                        ///< the parameter that boxes are entered at or after
@@ -76,11 +76,11 @@ struct PathWalk {
   double reach;  ///< sheared_tube
 };
 
-/// A leaf's triangles in the sheared frame. The path passes edge k, across from corner k, at the `side` of
-/// its right hand (> 0) or its left; inside a triangle it is at the same side of all three.
+/// A leaf's triangles in the sheared frame. Edge k is the one across from corner k; the path passes inside a
+/// triangle where its three sides have one sign.
 struct SeenLeaf {
   alignas(32) double depth[3][4];  ///< [corner][lane] along the path [m]
-  alignas(32) double side[3][4];   ///< [edge][lane] times the edge's length [m^2]
+  alignas(32) double side[3][4];   ///< [edge][lane] distance of the path, with a sign, times the length [m^2]
   alignas(32) double error[4];     ///< of the sides
 };
 
