@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/impact/sliding_features.h"
+
 namespace collision_node::impact {
 namespace {
 
@@ -145,8 +147,8 @@ Closest SlidingPoints::closest(const Cores& cores) const {
   const PosedCore& placed = curve_is_a_ ? cores.b : cores.a;
   // The solid's point, in its object's frame. Corners are taken as they are stored: facts look for them.
   Vec3 nearest = x_ - offset_;
-  const bool corner =
-      solid.vertices != nullptr && (offset_.array() != 0.0 || solid_.half.array() == 0.0).all();
+  const bool corner = solid_.shrunk == 0.0 && solid.vertices != nullptr &&
+                      (offset_.array() != 0.0 || solid_.half.array() == 0.0).all();
   if (corner) {
     const int bits = (nearest.x() > 0.0 ? 1 : 0) | (nearest.y() > 0.0 ? 2 : 0) | (nearest.z() > 0.0 ? 4 : 0);
     nearest = solid.vertices[solid.count == 8 ? bits : solid.count == 2 ? bits >> 2 : 0];
@@ -156,7 +158,7 @@ Closest SlidingPoints::closest(const Cores& cores) const {
   Closest c;
   const bool on_rim = curve.vertices == nullptr, at_end = !slides_ || on_rim;
   c.count = at_end ? 1 : 2;
-  c.v = frame_ * (curve_is_a_ ? Vec3(-offset_) : offset_);
+  c.v = outward();
   const Vec3 on_solid = placed.place(nearest);
   const PosedCore& other = curve_is_a_ ? cores.a : cores.b;
   for (int i = 0; i < c.count; ++i) {
@@ -207,6 +209,18 @@ Axis SlidingPoints::axis(const RelativeMotion& m, const Instant& now) const {
   axis.rate = omega.cross(axis.direction) + outward * (frame_ * rate);
   axis.valid = true;
   return axis;
+}
+
+int edgeOf(const Element& e, const Closest& closest, bool of_a, Vec3 (&ends)[2]) {
+  int count = 0;
+  for (int i = 0; i < closest.count; ++i) {
+    const Vec3& x = of_a ? closest.point[i].local_a : closest.point[i].local_b;
+    if (std::find(ends, ends + count, x) != ends + count) continue;
+    // Points found on a rim are opposite to any point.
+    if (count == 2 || std::find(e.vertices, e.vertices + e.count, x) == e.vertices + e.count) return 0;
+    ends[count++] = x;
+  }
+  return count;
 }
 
 Closest closestOnEdges(const Cores& cores, const Closest& hint) {

@@ -17,7 +17,7 @@ struct SeenPoint {
 /// Memory of the views; only capacity survives a call.
 struct ViewBuffers {
   std::vector<SeenPoint> a, b;
-  Polygon points, hull_a, hull_b, both, scratch;
+  Polygon points, points_b, hull_a, hull_b, both, scratch;
 };
 
 class ContactView {
