@@ -104,7 +104,7 @@ bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
   const Element& e = *rim.element;
   const Mat3 own = *rim.rotation * e.frame->axes;
   const Vec3 out = own.transpose() * (curve_is_a_ ? direction : Vec3(-direction));
-  double cosine = out.x(), sine = out.y(), length = std::hypot(cosine, sine);
+  double cosine = out.x(), sine = out.y(), length = std::sqrt(cosine * cosine + sine * sine);
   // Near a side or an end of the cylinder another feature may hold the closest points.
   constexpr double kSharp = 1e-3;
   if (!(length > kSharp * std::abs(out.z()) && std::abs(out.z()) > kSharp * length)) return false;
@@ -125,6 +125,11 @@ bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
     edge_ = cosine * second - sine * first;
     const ClampingCore::Seen seen = solid_.see(x_, edge_);
     offset_ = seen.offset;
+    if (offset_.isZero(0.0)) {  // inside
+      distance_ = 0.0;
+      on_rim_ = e.centre + e.frame->axes * Vec3(e.rim_radius * cosine, e.rim_radius * sine, end);
+      return true;
+    }
     curving_ = -offset_.dot(arm);
     const double bend = seen.bend + curving_, slope = offset_.dot(edge_);
     if (!(bend > 0.0) || !(std::abs(slope) < kFar * bend)) return false;
@@ -137,7 +142,7 @@ bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
     const double turned = cosine - step * sine;
     sine += step * cosine;
     cosine = turned;
-    length = std::hypot(cosine, sine);
+    length = std::sqrt(cosine * cosine + sine * sine);
   }
   return false;
 }

@@ -163,7 +163,7 @@ double GapModel::Trend::root(double span) const {
     if (root > 0.0 && root < s) s = root;
   }
   constexpr int kMost = 24;
-  constexpr double kClose = 1e-10;
+  constexpr double kClose = 1e-3;  // the next step squares it
   for (int i = 0; i < kMost; ++i) {
     const double value = at(s), rate = slopeAt(s);
     if (!(value < 0.0)) return s;

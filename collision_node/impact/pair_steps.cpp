@@ -30,8 +30,8 @@ double PairSteps::advance(double from, double to, double stop, std::uint64_t& te
     double s = triangles ? TrianglePair(piece_, now, a_, b_).apartFor(to - t, &axis) : 0.0;
     if (s < to - t && !(s > stop)) {
       // The gap along the axis is what counts, and a few hundredths less of it are as good.
-      constexpr double kLoss = 3e-2;
-      const Axis through = closestAt(now, kLoss);
+      constexpr double kLoss = 3e-2, kFirstLoss = 0.2;
+      const Axis through = closestAt(now, step == 0 ? kFirstLoss : kLoss);
       const double by_points = longest(now, through, to - t, &other);
       if (by_points > s) {
         s = by_points;
@@ -82,8 +82,12 @@ bool PairSteps::takeOver(const SlidingPoints& points, const Cores& part, double 
   const Axis found = points.axis(piece_.motion, now);
   const double distance = points.distance() - radius;
   if (!found.valid || !(distance > 0.0)) return false;
-  const double gap = Cores(now, a_, b_).gapAlong(found.direction);
-  if (distance - gap > loss * (distance - radius_)) return false;
+  through_.emplace(piece_, now, a_, b_, found, reach_);
+  const double hidden = distance - radius_ - piece_.point_error - through_->first();
+  if (hidden > loss * (distance - radius_)) {
+    through_.reset();
+    return false;
+  }
   closest_ = points.closest(part);
   closest_.v = distance * found.direction;
   distance_ = distance;
@@ -108,11 +112,13 @@ double PairSteps::longest(const Instant& now, Axis axis, double span, Axis* prov
   double best = 0.0;
   const auto propose = [&](const Axis& proposed) {
     if (!proposed.valid) return;
-    const GapModel model(piece_, now, a_, b_, proposed, reach_);
-    const Apart apart = impact::apartFor(model, span);
+    if (!through_) through_.emplace(piece_, now, a_, b_, proposed, reach_);
+    const Apart apart = impact::apartFor(*through_, span);
+    const double first = through_->first();
+    through_.reset();
     if (!(apart.time > best)) return;
     best = apart.time;
-    first_ = model.first();
+    first_ = first;
     last_ = apart;
     *proved = proposed;
   };

@@ -43,6 +43,7 @@ class PairSteps {
   const CoreReaches reach_;
   const double radius_;                   ///< of both, with the contact distance
   std::optional<SlidingPoints> sliding_;  ///< for a pair that has closed forms
+  std::optional<GapModel> through_;       ///< of the axis that longest() is to try first, where it is made
   Parting parting_;
   Closest closest_;
   double distance_ = 0.0;  ///< of the cores at the closest points
