@@ -40,6 +40,8 @@ class JointEdges {
 
   /// Ignored when there is an edge to `edge.child` already.
   void add(Edge edge);
+  /// A joint of this name moves nothing that matters, and is no fault either.
+  void ignore(const std::string& driver) { ignored_.insert(driver); }
 
   /// Calls `move(edge, pose)` for every edge whose joint is in `states`. Throws PoseError after that: a
   /// position is not finite, or no joint of the message moves anything here.
@@ -48,7 +50,7 @@ class JointEdges {
     std::string fault;
     bool any = false;
     for (const JointStates::One& one : states.joints) {
-      bool known = false;
+      bool known = ignored_.count(one.name) != 0;
       for (Edge& edge : edges_) {
         if (edge.joint.joint.driver != one.name) continue;
         known = true;
@@ -72,6 +74,7 @@ class JointEdges {
   std::string noneIsKnown(const JointStates& states) const;
 
   std::vector<Edge> edges_;
+  std::set<std::string> ignored_;
   std::set<std::string> others_;  // names that move nothing here
 };
 

@@ -7,6 +7,7 @@
 #include "collision_node/messages/body_triangles.h"
 #include "collision_node/messages/convert.h"
 #include "collision_node/messages/event_text.h"
+#include "collision_node/scene/needs.h"
 
 namespace collision_node::messages {
 
@@ -82,16 +83,22 @@ const char* const kEventSpaces[] = {"impact/point", "impact/normal", "impact/bou
 }  // namespace
 
 Markers::Markers(std::shared_ptr<const scene::Scene> scene, MarkerOptions options)
-    : scene_(std::move(scene)), options_(options) {
+    : scene_(std::move(scene)), options_(options) {}
+
+void Markers::makeBodies() {
+  if (!body_of_link_.empty()) return;
+  const std::vector<scene::Need> needs = scene::needsOf(*scene_);
   for (std::size_t o = 0; o < scene_->objects.size(); ++o) {
     std::vector<int> of_link;
     for (const auto& link : scene_->objects[o].links) {
+      of_link.push_back(-1);
+      if (needs[o] != scene::Need::kWatched) continue;
       Marker body = marker("body", static_cast<std::int32_t>(bodies_.size()), Marker::TRIANGLE_LIST,
                            scene_->world_frame);
       for (const auto& shape : link.shapes)
         for (const Vec3& v : drawnTriangles(shape)) body.points.push_back(toPoint(v));
-      of_link.push_back(body.points.empty() ? -1 : static_cast<int>(bodies_.size()));
       if (body.points.empty()) continue;
+      of_link.back() = static_cast<int>(bodies_.size());
       body.color = bodyColour(o);
       body.lifetime = ros::Duration(options_.lifetime);
       setScale(body, 1.0, 1.0, 1.0);
@@ -133,12 +140,14 @@ void Markers::addStart(const ros::Time& stamp, Array& out) {
 }
 
 Markers::Array Markers::start(const ros::Time& stamp) {
+  makeBodies();
   Array out;
   addStart(stamp, out);
   return out;
 }
 
 Markers::Array Markers::event(const scene::Event& event) {
+  makeBodies();
   Array out;
   const ros::Time stamp = toTime(event.stamp_ns);
   if (event.epoch != epoch_) {

@@ -24,6 +24,7 @@ std::string poseFrame(const std::string& object) { return "the pose of object '"
 
 PoseRouter::PoseRouter(std::shared_ptr<const scene::Scene> scene, const ResolveTopic& resolve, Sink sink)
     : scene_(std::move(scene)),
+      needs_(scene::needsOf(*scene_)),
       world_frame_(withoutSlash(scene_->world_frame)),
       sink_(std::move(sink)),
       tf_(world_frame_, scene_->time,
@@ -35,12 +36,14 @@ PoseRouter::PoseRouter(std::shared_ptr<const scene::Scene> scene, const ResolveT
   for (std::size_t i = 0; i < scene_->objects.size(); ++i) {
     const scene::PoseSource& source = scene_->objects[i].source;
     const int index = static_cast<int>(i);
+    if (!source.topic.empty()) checkTopic(resolve(source.topic), scene_->objects[i].name);
+    if (needs_[i] == scene::Need::kNone) continue;
     switch (source.type) {
       case scene::PoseSource::Type::kFixed:
         break;
       case scene::PoseSource::Type::kTf:
         useTf();
-        tf_.follow(index, withoutSlash(source.tf_frame));
+        if (isWatched(index)) tf_.follow(index, withoutSlash(source.tf_frame));
         break;
       case scene::PoseSource::Type::kTopic:
         followTopic(index, resolve);
@@ -50,12 +53,13 @@ PoseRouter::PoseRouter(std::shared_ptr<const scene::Scene> scene, const ResolveT
         break;
     }
   }
+  for (std::size_t i = 0; i < needs_.size(); ++i)
+    if (needs_[i] == scene::Need::kNone) ignoreJoints(static_cast<int>(i), resolve);
 }
 
 void PoseRouter::followTopic(int index, const ResolveTopic& resolve) {
   const scene::Object& object = scene_->objects[static_cast<std::size_t>(index)];
   const std::string topic = resolve(object.source.topic);
-  checkTopic(topic, object.name);
   targets_[topic].push_back(
       {index,
        object.name,
@@ -76,7 +80,6 @@ void PoseRouter::followJoints(int index, const ResolveTopic& resolve) {
         return other.name == object.name;
       })->source;
   const std::string topic = resolve(object.source.topic);
-  checkTopic(topic, object.name);
   topic_of_[static_cast<std::size_t>(index)] = topic;
   addTopic(topic);
 
@@ -99,9 +102,21 @@ void PoseRouter::followJoints(int index, const ResolveTopic& resolve) {
   if (root.type == scene::PoseSource::Type::kFixed) tf_.add(world_frame_, first, fixed, StampKind::kAlways);
 }
 
+/// The joints that only move what is in no pair are no strangers on a topic that is heard for others.
+void PoseRouter::ignoreJoints(int index, const ResolveTopic& resolve) {
+  const scene::PoseSource& source = scene_->objects[static_cast<std::size_t>(index)].source;
+  if (source.type != scene::PoseSource::Type::kJoints) return;
+  const auto heard = joints_.find(resolve(source.topic));
+  if (heard == joints_.end()) return;
+  for (const scene::PartJoint& joint : source.joints) heard->second.ignore(joint.joint.driver);
+}
+
 bool PoseRouter::hasParts(int index) const {
-  const auto next = static_cast<std::size_t>(index) + 1;
-  return next < scene_->objects.size() && scene_->objects[next].name == scene_->objects[next - 1].name;
+  const std::vector<scene::Object>& objects = scene_->objects;
+  const std::string& name = objects[static_cast<std::size_t>(index)].name;
+  for (auto i = static_cast<std::size_t>(index) + 1; i < objects.size() && objects[i].name == name; ++i)
+    if (isWatched(static_cast<int>(i))) return true;
+  return false;
 }
 
 void PoseRouter::checkTopic(const std::string& topic, const std::string& name) const {
@@ -152,7 +167,7 @@ void PoseRouter::checkTypeFor(const std::string& topic, const std::string& datat
 }
 
 void PoseRouter::count(scene::Stats& stats) const {
-  stats.rejected += refused();
+  stats.rejected += refused() + rejected_parents_;
   const scene::InputCounts chains = tf_.dropped();
   stats.late += chains.late;
   stats.duplicate += chains.duplicate;
@@ -180,7 +195,12 @@ std::uint64_t PoseRouter::refused() const {
 void PoseRouter::deliver(const std::string& topic, int object, const motion::StampedPose& pose,
                          StampKind kind) {
   motion::StampedPose checked = pose;
-  if (motion::checkAndNormalise(checked) != motion::PoseFault::kNone) ++faults_[topic].rejected;
+  const bool is_bad = motion::checkAndNormalise(checked) != motion::PoseFault::kNone;
+  if (is_bad) ++faults_[topic].rejected;
+  if (!isWatched(object)) {
+    if (is_bad) ++rejected_parents_;
+    return;
+  }
   sink_(object, pose, kind);
 }
 
@@ -249,7 +269,7 @@ void PoseRouter::takeFrame(const std::string& topic, Target& target, const PoseR
   target.frame = frame;
   if (frame == world_frame_ && !target.has_parts) return;
   if (frame != world_frame_) useTf();
-  tf_.follow(target.object, target.child, frame + ", of topic " + topic);
+  if (isWatched(target.object)) tf_.follow(target.object, target.child, frame + ", of topic " + topic);
   tf_.announce(frame, target.child);
 }
 

@@ -14,6 +14,7 @@
 #include "collision_node/messages/pose_reader.h"
 #include "collision_node/messages/tf_tree.h"
 #include "collision_node/scene/engine.h"
+#include "collision_node/scene/needs.h"
 #include "collision_node/scene/scene.h"
 
 namespace collision_node::messages {
@@ -29,7 +30,8 @@ struct TopicFaults {
 ///
 /// Poses in world_frame go straight on. What else drives an object becomes edges of one frame tree: /tf,
 /// poses in another frame (an edge from there to the object), joint positions (an edge from the part before
-/// the joint to the part behind it).
+/// the joint to the part behind it). Of an object in no watched pair nothing is heard, unless parts that are
+/// hang on it: then its poses only carry these.
 class PoseRouter {
  public:
   using Sink = TfTree::Sink;
@@ -53,7 +55,7 @@ class PoseRouter {
   /// it.
   void learnFrame(const std::string& topic, const RawMessage& message);
 
-  /// Topic of an object that is driven by one, as resolved; "" for others.
+  /// Topic of an object that is driven by one and heard, as resolved; "" for others.
   const std::string& topicOf(int object) const { return topic_of_[static_cast<std::size_t>(object)]; }
 
   /// Hands every pose in the message to the sink. `received_ns`: for types that have no stamp. Throws
@@ -96,8 +98,12 @@ class PoseRouter {
     std::string datatype, md5sum;
   };
 
+  bool isWatched(int object) const {
+    return needs_[static_cast<std::size_t>(object)] == scene::Need::kWatched;
+  }
   void followTopic(int index, const ResolveTopic& resolve);
   void followJoints(int index, const ResolveTopic& resolve);
+  void ignoreJoints(int index, const ResolveTopic& resolve);
   bool hasParts(int index) const;
   void checkTopic(const std::string& topic, const std::string& name) const;
   void checkTypeFor(const std::string& topic, const std::string& datatype, const std::string& md5sum) const;
@@ -111,6 +117,7 @@ class PoseRouter {
   void handleTf(const std::string& topic, const RawMessage& message);
 
   std::shared_ptr<const scene::Scene> scene_;
+  std::vector<scene::Need> needs_;  // by object
   std::string world_frame_;
   Sink sink_;
   TfTree tf_;
@@ -118,6 +125,7 @@ class PoseRouter {
   std::vector<std::string> topics_;
   std::vector<std::string> topic_of_;  // by object
   std::map<std::string, TopicFaults> faults_;
+  std::uint64_t rejected_parents_ = 0;  // poses that only carry parts, and are bad
   std::map<std::string, TopicType> types_;
   std::map<std::string, std::vector<Target>> targets_;  // by topic
   std::map<std::string, JointEdges> joints_;            // by topic

@@ -9,6 +9,7 @@
 #include "collision_node/messages/event_text.h"
 #include "collision_node/messages/resources.h"
 #include "collision_node/node/diagnostics.h"
+#include "collision_node/scene/needs.h"
 
 namespace collision_node::node {
 
@@ -105,6 +106,7 @@ void CollisionNode::start(const Parameters& parameters, std::shared_ptr<const sc
   std_msgs::String plan;
   plan.data = scene::planText(*scene_);
   plan_.publish(plan);
+  for (const std::string& line : scene::leftOut(*scene_)) ROS_INFO_STREAM("left out: " << line);
   subscribe();
 }
 
@@ -185,6 +187,7 @@ void CollisionNode::onDiagnosticsTimer(const ros::WallTimerEvent&) {
   Health health;
   health.name = private_handle_.getNamespace();  // of the nodelet, not of its manager
   health.scene = scene_->file;
+  health.has_pairs = scene_->pairs.count(scene_->objects) > 0;
   health.epoch = epoch_;
   health.messages = messages_;
   health.events = events_;

@@ -27,6 +27,7 @@ void judge(const Health& health, Status& status) {
     if (entry.second.refused > 0) raise(Status::ERROR, entry.second.first_refusal);
   const std::string silent =
       health.without_publisher.empty() ? "" : "nobody publishes " + list(health.without_publisher);
+  if (!health.has_pairs) raise(Status::WARN, "no pair is watched: nothing can be reported");
   if (stats.accepted == 0 && !stats.has_watermark)
     raise(Status::WARN, "no pose has arrived yet" + (silent.empty() ? "" : ": " + silent));
   if (!health.unconnected.empty()) raise(Status::WARN, "tf does not connect " + health.unconnected.front());

@@ -14,8 +14,9 @@
 namespace collision_node::node {
 
 struct Health {
-  std::string name;   ///< of the node or nodelet, as a graph name
-  std::string scene;  ///< file
+  std::string name;       ///< of the node or nodelet, as a graph name
+  std::string scene;      ///< file
+  bool has_pairs = true;  ///< the scene watches any
   std::uint32_t epoch = 0;
   std::uint64_t messages = 0;  ///< that have come, of all topics
   std::uint64_t events = 0;
@@ -27,9 +28,9 @@ struct Health {
   std::vector<std::string> unconnected;     ///< "'frame' to world_frame 'world'": tf has not said how
 };
 
-/// ERROR: messages that cannot be used. WARN: no pose has arrived at all, a topic without publisher, a
-/// frame that tf does not connect, a joint that never came, an object that is silent, poses rejected or late,
-/// messages lost. OK: watching. The message names the first of them in that order.
+/// ERROR: messages that cannot be used. WARN: a scene without any pair, no pose has arrived at all, a topic
+/// without publisher, a frame that tf does not connect, a joint that never came, an object that is silent,
+/// poses rejected or late, messages lost. OK: watching. The message names the first of them in that order.
 diagnostic_msgs::DiagnosticStatus diagnose(const Health& health);
 
 }  // namespace collision_node::node

@@ -19,6 +19,7 @@
 #include "collision_node/replay/session.h"
 #include "collision_node/replay/window.h"
 #include "collision_node/replay/window_lines.h"
+#include "collision_node/scene/needs.h"
 
 namespace collision_node::replay {
 
@@ -251,10 +252,20 @@ class Run {
 
   std::string silentObjects() const {
     std::string out;
-    for (std::size_t i = 0; i < scene_->objects.size(); ++i)
-      if (session_->heard()[i] == 0 && scene_->objects[i].source.type != scene::PoseSource::Type::kFixed)
+    const std::vector<scene::Need> needs = scene::needsOf(*scene_);
+    for (std::size_t i = 0; i < needs.size(); ++i)
+      if (session_->heard()[i] == 0 && needs[i] == scene::Need::kWatched &&
+          scene_->objects[i].source.type != scene::PoseSource::Type::kFixed)
         out += " " + scene_->objects[i].label();
     return out;
+  }
+
+  /// It, or a part that hangs on it, has sent a pose.
+  bool isHeard(std::size_t object) const {
+    const std::vector<scene::Object>& objects = scene_->objects;
+    for (std::size_t i = object; i < objects.size() && objects[i].name == objects[object].name; ++i)
+      if (session_->heard()[i] != 0) return true;
+    return false;
   }
 
   /// Throws InputError when all that an object was sent had to be refused: that is no recording of this
@@ -263,7 +274,7 @@ class Run {
     const auto& faults = session_->router().faults();
     for (std::size_t i = 0; i < scene_->objects.size(); ++i) {
       const auto found = faults.find(session_->router().topicOf(static_cast<int>(i)));
-      if (session_->heard()[i] == 0 && found != faults.end() && found->second.refused > 0)
+      if (!isHeard(i) && found != faults.end() && found->second.refused > 0)
         throw InputError(found->second.first_refusal + "; " + std::to_string(found->second.refused) +
                          " messages there cannot be used, and no other tells where '" +
                          scene_->objects[i].label() + "' is");

@@ -5,6 +5,7 @@
 
 #include "collision_node/scene/fingerprint.h"
 #include "collision_node/scene/instant.h"
+#include "collision_node/scene/needs.h"
 
 namespace collision_node::replay {
 
@@ -60,8 +61,10 @@ scene::Cut Session::cut() const {
 
 bool Session::knowsAllAt(const scene::Cut& cut) const {
   if (!cut.is_settled || !router_.tf().unresolved().empty()) return false;
+  const std::vector<scene::Need> needs = scene::needsOf(*scene_);
   for (std::size_t i = 0; i < heard_.size(); ++i) {
     const scene::PoseSource::Type type = scene_->objects[i].source.type;
+    if (needs[i] != scene::Need::kWatched) continue;
     const bool hangs = type == scene::PoseSource::Type::kTf || type == scene::PoseSource::Type::kJoints;
     if (heard_[i] == 0 && hangs) return false;
   }

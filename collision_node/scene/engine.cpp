@@ -7,6 +7,7 @@
 
 #include "collision_node/scene/event_queue.h"
 #include "collision_node/scene/fingerprint.h"
+#include "collision_node/scene/needs.h"
 #include "collision_node/scene/pair_table.h"
 #include "collision_node/scene/scene_tracks.h"
 #include "collision_node/scene/time_line.h"
@@ -45,11 +46,13 @@ class Engine::Impl {
   void startEpoch();
   void prune();
   Instant decidedUpTo() const;
+  Instant publishedUpTo() const { return std::min(published_, decidedUpTo()); }
   void publishBefore(const Instant& limit);
   void publishAll() { publishBefore(instantAt(kForEver)); }
   void heartbeat(Nanoseconds stamp_ns);
 
   std::shared_ptr<const Scene> scene_;
+  std::vector<Need> needs_;  ///< by object
   Sinks sinks_;
   TimeLine time_line_;
   PairTable pairs_;
@@ -58,6 +61,7 @@ class Engine::Impl {
   std::vector<int> changed_;                 ///< tracks that pruning has not looked at
   std::vector<std::size_t> prune_at_;        ///< by track: samples kept
   std::optional<Nanoseconds> solved_to_ns_;  ///< the watermark that pairs have been solved at
+  Instant published_;                        ///< every event before it that could be known has been published
   Nanoseconds last_beat_ns_ = kNever;
   double worst_bracket_ = 0.0, worst_position_error_ = 0.0;
 };
@@ -65,6 +69,7 @@ class Engine::Impl {
 Engine::Impl::Impl(std::shared_ptr<const Scene> scene, const MethodFactory& make_method, Sinks sinks,
                    const EngineOptions& options)
     : scene_(std::move(scene)),
+      needs_(needsOf(*scene_)),
       sinks_(std::move(sinks)),
       time_line_(makeTracks(*scene_), toNanoseconds(scene_->time.timeout)),
       pairs_(*scene_, time_line_, make_method, options),
@@ -80,6 +85,8 @@ void Engine::Impl::addPose(int object, const motion::StampedPose& pose, bool gue
   if (object < 0 || object >= static_cast<int>(scene_->objects.size()))
     throw std::invalid_argument("pose for object number " + std::to_string(object) + "; the scene has " +
                                 std::to_string(scene_->objects.size()));
+  if (needs_[object] != Need::kWatched && scene_->objects[object].source.type != PoseSource::Type::kFixed)
+    return;
   if (time_line_.tracks()[object].isFixed())
     throw std::invalid_argument("pose for object " + scene_->objects[object].name + ", whose pose is fixed");
   time_line_.add(object, pose, guessed_stamp);
@@ -172,6 +179,7 @@ void Engine::Impl::startEpoch() {
   queue_.newEpoch();
   changed_.clear();
   solved_to_ns_.reset();
+  published_ = instantAt(kNever);
   last_beat_ns_ = kNever;
 }
 
@@ -187,7 +195,7 @@ void Engine::Impl::prune() {
 
 // ---- out
 
-/// No event before this can still come.
+/// No event before this can still come, once what is known is solved.
 Instant Engine::Impl::decidedUpTo() const {
   const Nanoseconds watermark = *time_line_.watermark();
   Nanoseconds known = watermark, frozen = kForEver;
@@ -198,7 +206,7 @@ Instant Engine::Impl::decidedUpTo() const {
   if (frozen < kForEver) {
     // What moves beside a frozen object is solved by whole pieces: up to its last stamp that is known.
     for (const Track& track : tracks)
-      if (track.status() == Track::Status::kLive && track.lastReleased())
+      if (track.status() == Track::Status::kLive && track.lastReleased() && !track.isFrozen())
         known =
             std::min(known, std::max(frozen, track.stamp(track.indexAt(watermark, track.endIndex() - 1))));
   }
@@ -214,6 +222,7 @@ void Engine::Impl::publishBefore(const Instant& limit) {
     worst_position_error_ = std::max(worst_position_error_, event.position_error);
     if (sinks_.event) sinks_.event(event);
   }
+  published_ = std::max(published_, limit);
 }
 
 std::optional<Nanoseconds> Engine::Impl::beatDue() const {
@@ -241,7 +250,7 @@ Stats Engine::Impl::stats() const {
   stats.stamp_ns = time_line_.newestReleased().value_or(0);
   stats.has_watermark = time_line_.watermark().has_value();
   if (stats.has_watermark) {
-    stats.watermark_ns = decidedUpTo().ns;
+    stats.watermark_ns = publishedUpTo().ns;
     stats.latency = motion::secondsBetween(stats.watermark_ns, time_line_.newestDelivered());
   }
   stats.worst_bracket = worst_bracket_;
@@ -267,7 +276,7 @@ Cut Engine::Impl::cut() {
 bool Engine::Impl::hasPublished(std::uint32_t epoch, std::optional<Nanoseconds> stamp_ns) const {
   if (time_line_.epoch() != epoch) return time_line_.epoch() > epoch;
   if (!stamp_ns) return true;
-  return time_line_.watermark() && instantAt(*stamp_ns) < decidedUpTo();
+  return time_line_.watermark() && instantAt(*stamp_ns) < publishedUpTo();
 }
 
 // ---- the public face

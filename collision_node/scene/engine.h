@@ -115,7 +115,7 @@ class Engine {
 
   /// Hands in one pose of `object` (index into Scene::objects), in any order. Bad poses are counted, not
   /// thrown. `guessed_stamp`: the stamp was invented by the receiver. Throws std::invalid_argument when there
-  /// is no such object or it has a fixed pose.
+  /// is no such object or it has a fixed pose. Poses of an object in no watched pair are not looked at.
   void addPose(int object, motion::StampedPose pose, bool guessed_stamp = false);
 
   /// `object` stands at `pose` for all time, as its source has come to say. An object that has sent poses, or

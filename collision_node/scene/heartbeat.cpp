@@ -28,15 +28,30 @@ std::uint64_t& binOf(Stats& stats, Kind kind) {
   return binOf(stats, kind == Kind::kDoubtful ? impact::Answer::kUndecided : impact::Answer::kCulled);
 }
 
-/// The pairs among objects that weigh so much together.
-struct Crowd {
-  std::uint64_t sum = 0, squares = 0;
-
-  void add(std::uint64_t weight) {
-    sum += weight;
-    squares += weight * weight;
+/// The pairs among objects that weigh so much together, by what the worse of the two is.
+class Crowd {
+ public:
+  void add(Kind kind, std::uint64_t weight) {
+    all_.add(weight);
+    if (kind != Kind::kUncovered) covered_.add(weight);
+    if (kind == Kind::kSure) sure_.add(weight);
   }
-  std::uint64_t pairs() const { return (sum * sum - squares) / 2; }
+  std::uint64_t all() const { return all_.pairs(); }
+  std::uint64_t uncovered() const { return all() - covered_.pairs(); }
+  std::uint64_t doubtful() const { return covered_.pairs() - sure_.pairs(); }
+  std::uint64_t sure() const { return sure_.pairs(); }
+
+ private:
+  struct Sum {
+    std::uint64_t sum = 0, squares = 0;
+
+    void add(std::uint64_t weight) {
+      sum += weight;
+      squares += weight * weight;
+    }
+    std::uint64_t pairs() const { return (sum * sum - squares) / 2; }
+  };
+  Sum all_, covered_, sure_;
 };
 
 }  // namespace
@@ -65,18 +80,16 @@ void PairCounter::count(const TimeLine& time_line, const Coverage& coverage,
 
   // All pairs that follow the rule.
   if (watches_rest_) {
-    Crowd all, covered, sure, fixed;
+    Crowd all, fixed;
     for (std::size_t i = 0; i < weights_.size(); ++i) {
       const Kind kind = kindOf(static_cast<int>(i));
-      all.add(weights_[i]);
-      if (kind != Kind::kUncovered) covered.add(weights_[i]);
-      if (kind == Kind::kSure) sure.add(weights_[i]);
-      if (tracks[i].isFixed()) fixed.add(weights_[i]);
+      all.add(kind, weights_[i]);
+      if (tracks[i].isFixed()) fixed.add(kind, weights_[i]);
     }
-    const std::uint64_t untested = are_tested ? 0 : fixed.pairs();
-    stats.pairs_uncovered += all.pairs() - covered.pairs() + untested;
-    stats.pairs_undecided += covered.pairs() - sure.pairs();
-    stats.pairs_culled += sure.pairs() - untested;
+    // Two that are fixed stand as their test does, whatever was known of them before they were.
+    stats.pairs_uncovered += all.uncovered() - fixed.uncovered() + (are_tested ? 0 : fixed.all());
+    stats.pairs_undecided += all.doubtful() - fixed.doubtful();
+    stats.pairs_culled += all.sure() - fixed.sure() + (are_tested ? fixed.all() : 0);
   }
   for (const Exception& exception : exceptions_)
     binOf(stats, kindOfPair(exception.a, exception.b)) += static_cast<std::uint64_t>(exception.more);

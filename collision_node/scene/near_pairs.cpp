@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "collision_node/scene/needs.h"
 #include "collision_node/scene/pair_table.h"
 
 namespace collision_node::scene {
@@ -20,15 +21,19 @@ std::uint64_t keyOf(int a, int b) {
 }  // namespace
 
 bool hasBroadPhase(const Scene& scene) {
-  return scene.pairs.watchesRest() && scene.objects.size() > kFewObjects;
+  if (!scene.pairs.watchesRest() || scene.objects.size() <= kFewObjects) return false;
+  const std::vector<Need> needs = needsOf(scene);
+  return static_cast<std::size_t>(std::count(needs.begin(), needs.end(), Need::kWatched)) > kFewObjects;
 }
 
 void PairTable::beginBroadPhase() {
   const int count = static_cast<int>(world_.scene.objects.size());
   broad_ = std::make_unique<BroadPhase>(world_.scene.objects.size());
+  const std::vector<Need> needs = needsOf(world_.scene);
   std::vector<int> standing;
   std::vector<Bounds> boxes;
   for (int object = 0; object < count; ++object) {
+    if (needs[object] != Need::kWatched) continue;
     if (world_.scene.pairs.countBetween(world_.scene.objects, object, object) > 0) addPair(object, object);
     if (!world_.track(object).isFixed()) continue;
     standing.push_back(object);

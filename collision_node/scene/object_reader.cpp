@@ -42,9 +42,6 @@ class ObjectReader {
     readZones();
     std::vector<Object> parts = readSource(reader_, std::move(object_));
     warnOfBounds(parts.back());  // of several, it hangs on the others
-    for (Object& part : parts)
-      for (Link& link : part.links)
-        if (context_.is_watched) buildBody(link);
     reader_.done();
     return parts;
   }
@@ -77,13 +74,6 @@ class ObjectReader {
       link.shapes = {*shape};
       object_.links.push_back(std::move(link));
     }
-  }
-
-  static void buildBody(Link& link) {
-    if (link.shapes.empty()) return;
-    std::vector<PlacedShape> in_object = link.shapes;
-    for (PlacedShape& shape : in_object) shape.origin = link.T_o_l * shape.origin;
-    link.body = std::make_shared<geometry::Body>(std::move(in_object));
   }
 
   std::optional<PlacedShape> readShape(const std::string& key) {

@@ -1,4 +1,4 @@
-/// One entry of `objects:` in a scene file, checked and with its geometry loaded where it is watched.
+/// One entry of `objects:` in a scene file, checked and with its meshes read where it is watched.
 #pragma once
 
 #include <string>
@@ -12,11 +12,12 @@ namespace collision_node::scene {
 struct ObjectContext {
   std::string folder;          ///< of the scene file: relative paths start here
   const Resources& resources;  ///< packages and parameters
-  bool is_watched = true;      ///< else meshes are not read, and no bodies are built
+  bool is_watched = true;      ///< else meshes are not read
 };
 
-/// Reads `node` as the object `name`: one Object, or one for each part that moves by itself. Adds every fault
-/// to `faults` and every warning to `warnings`; the object is whole only when no fault was added.
+/// Reads `node` as the object `name`: one Object, or one for each part that moves by itself, without bodies.
+/// Adds every fault to `faults` and every warning to `warnings`; the object is whole only when no fault was
+/// added.
 std::vector<Object> readObject(const std::string& name, const YamlNode& node, const ObjectContext& context,
                                Faults& faults, std::vector<std::string>& warnings);
 

@@ -68,6 +68,34 @@ std::uint64_t PairRules::count(const std::vector<Object>& objects) const {
   return count;
 }
 
+std::vector<std::vector<std::uint64_t>> PairRules::countByLink(const std::vector<Object>& objects) const {
+  std::vector<std::vector<std::uint64_t>> counts;
+  std::uint64_t all = 0;
+  for (const Object& object : objects) {
+    counts.emplace_back(object.links.size(), 0);
+    all += linkCount(object);
+  }
+  const auto add = [&](int object, std::uint64_t pairs) {
+    const std::vector<Link>& links = objects[object].links;
+    for (std::size_t i = 0; i < links.size(); ++i)
+      if (!links[i].shapes.empty()) counts[object][i] += pairs;
+  };
+  if (watchesRest())
+    for (std::size_t i = 0; i < objects.size(); ++i) add(static_cast<int>(i), all - linkCount(objects[i]));
+  for (const auto& [key, verdicts] : set_) {
+    const auto [a, b] = key;
+    if (watchesRest() && a != b) {
+      add(a, -linkCount(objects[b]));
+      add(b, -linkCount(objects[a]));
+    }
+    for (const LinkPair& pair : between(objects, a, b)) {
+      ++counts[pair.object_a][pair.link_a];
+      ++counts[pair.object_b][pair.link_b];
+    }
+  }
+  return counts;
+}
+
 std::vector<LinkPair> PairRules::list(const std::vector<Object>& objects) const {
   std::vector<LinkPair> all;
   const auto append = [&](int a, int b) {

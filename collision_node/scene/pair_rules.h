@@ -46,6 +46,8 @@ class PairRules {
   /// How many those are; constant time for what follows the rule.
   std::uint64_t countBetween(const std::vector<Object>& objects, int a, int b) const;
   std::uint64_t count(const std::vector<Object>& objects) const;
+  /// In how many watched pairs each link is, by object and link; without a list of them.
+  std::vector<std::vector<std::uint64_t>> countByLink(const std::vector<Object>& objects) const;
   /// All watched pairs, in byte order: for small scenes and explicit lists.
   std::vector<LinkPair> list(const std::vector<Object>& objects) const;
 

@@ -8,6 +8,7 @@
 
 #include "collision_node/scene/broad_phase.h"
 #include "collision_node/scene/map_reader.h"
+#include "collision_node/scene/needs.h"
 #include "collision_node/scene/scene.h"
 
 namespace collision_node::scene {
@@ -54,6 +55,8 @@ const geo::TriangleMesh* meshOf(const geo::Shape& shape) {
   if (const auto* convex = std::get_if<geo::Convex>(&shape)) return convex->mesh.get();
   return nullptr;
 }
+
+bool wasRead(const geo::TriangleMesh& mesh) { return mesh.report.triangles > 0; }
 
 /// Short names for "mesh x sphere", long ones for the list of shapes.
 struct ShapeWords {
@@ -207,7 +210,7 @@ class Plan {
       out_ << "      shape " << i << ": " << words.kind << (words.size.empty() ? "" : " " + words.size)
            << ", " << formatPose(shape.origin) << "\n";
       const geo::TriangleMesh* mesh = meshOf(shape.shape);
-      if (mesh != nullptr && !link.body) {
+      if (mesh != nullptr && !wasRead(*mesh)) {
         out_ << "        not read: the object is in no watched pair\n";
       } else if (mesh != nullptr) {
         out_ << "        " << meshLine(*mesh, std::holds_alternative<geo::Convex>(shape.shape)) << "\n";
@@ -313,26 +316,26 @@ class Plan {
 
   void writeLeftOut() {
     bool mesh = false, zone = false, topic = false, tf = false;
-    std::set<std::string> unwatched;
+    const std::vector<Need> needs = needsOf(scene_);
+    const std::vector<std::string> left_out = leftOut(scene_);
     const bool has_pairs = scene_.pairs.count(scene_.objects) > 0;
-    for (const Object& object : scene_.objects) {
+    for (std::size_t i = 0; i < needs.size(); ++i) {
+      const Object& object = scene_.objects[i];
+      for (const Link& link : object.links)
+        for (const geo::PlacedShape& shape : link.shapes)
+          mesh = mesh || (meshOf(shape.shape) != nullptr && wasRead(*meshOf(shape.shape)));
+      if (needs[i] == Need::kNone) continue;
       zone = zone || !object.zones.empty();
       topic = topic || !object.source.topic.empty();
       tf = tf || object.source.type == PoseSource::Type::kTf;
-      for (const Link& link : object.links) {
-        if (!link.shapes.empty() && !link.body) unwatched.insert(object.name);
-        for (const geo::PlacedShape& shape : link.shapes)
-          mesh = mesh || (link.body && meshOf(shape.shape) != nullptr);
-      }
     }
     out_ << "\nnot needed:\n";
     if (!mesh) out_ << "  no mesh: assimp is not called, no triangles are kept\n";
     if (!tf) out_ << "  no object is driven through tf: no transforms are read\n";
     if (!topic) out_ << "  no object has a pose topic: none is subscribed\n";
     if (!zone) out_ << "  no zone: events name links only\n";
-    for (const std::string& name : unwatched)
-      out_ << "  " << name << ": in no watched pair: no mesh of it is read, no hierarchy is built\n";
-    if (mesh && tf && topic && zone && has_pairs && unwatched.empty())
+    for (const std::string& line : left_out) out_ << "  " << line << "\n";
+    if (mesh && tf && topic && zone && has_pairs && left_out.empty())
       out_ << "  nothing: all parts are used\n";
     if (!has_pairs) out_ << "  no pair: nothing is solved\n";
   }

@@ -60,7 +60,7 @@ struct Link {
   geometry::UrdfJoint joint;                  ///< to the parent
   Pose T_parent_l;                            ///< parent <- link with that joint at 0
   std::vector<geometry::PlacedShape> shapes;  ///< in the link's frame, URDF order
-  /// In the object's frame; null when the link has no shape, or its object is in no watched pair.
+  /// In the object's frame; null when the link is in no watched pair.
   std::shared_ptr<const geometry::Body> body;
 };
 

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "collision_node/scene/map_reader.h"
+#include "collision_node/scene/needs.h"
 #include "collision_node/scene/object_reader.h"
 #include "collision_node/scene/pair_reader.h"
 #include "collision_node/scene/resources.h"
@@ -60,6 +61,19 @@ void readObjects(MapReader& top, ObjectContext context, Scene& scene, Faults& fa
                    [](const Object& a, const Object& b) { return a.name < b.name; });
 }
 
+/// Of links that are in some pair.
+void buildBodies(Scene& scene) {
+  const std::vector<std::vector<std::uint64_t>> pairs = scene.pairs.countByLink(scene.objects);
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    for (std::size_t k = 0; k < pairs[i].size(); ++k) {
+      if (pairs[i][k] == 0) continue;
+      Link& link = scene.objects[i].links[k];
+      std::vector<geometry::PlacedShape> in_object = link.shapes;
+      for (geometry::PlacedShape& shape : in_object) shape.origin = link.T_o_l * shape.origin;
+      link.body = std::make_shared<geometry::Body>(std::move(in_object));
+    }
+}
+
 }  // namespace
 
 std::shared_ptr<const Scene> loadScene(const std::string& file, const Resources& resources,
@@ -87,18 +101,22 @@ std::shared_ptr<const Scene> loadScene(const std::string& file, const Resources&
   top.done();
   faults.throwIfAny();
 
+  buildBodies(*scene);
   const bool has_pairs = scene->pairs.count(scene->objects) > 0;
   if (!has_pairs) {
     scene->warnings.push_back(
-        file + ": no pair is watched: nothing can be reported; give two objects, or see pairs");
-  }
-  const bool moves = std::any_of(scene->objects.begin(), scene->objects.end(), [](const Object& object) {
-    return object.source.type != PoseSource::Type::kFixed;
-  });
-  if (!moves && has_pairs) {
-    scene->warnings.push_back(
         file +
-        ": no object moves: each pair is tested once, at the end, with stamp 0; give one a topic or tf");
+        ": no pair is watched: no pose is read, nothing can be reported; give two objects, or see pairs");
+  }
+  const std::vector<Need> needs = needsOf(*scene);
+  bool moves = false;
+  for (std::size_t i = 0; i < needs.size(); ++i)
+    moves =
+        moves || (needs[i] == Need::kWatched && scene->objects[i].source.type != PoseSource::Type::kFixed);
+  if (!moves && has_pairs) {
+    scene->warnings.push_back(file +
+                              ": no watched object moves: each pair is tested once, at the end, with stamp "
+                              "0; give one a topic or tf");
   }
   return scene;
 }

@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "collision_node/scene/needs.h"
+
 namespace collision_node::scene {
 
 namespace {
@@ -18,8 +20,10 @@ void check(const Scene& scene) {
                                 " s; it must be positive");
 }
 
-Track makeTrack(const Object& object, const TimeOptions& time) {
-  if (object.source.type == PoseSource::Type::kFixed) return Track(object.source.fixed);
+Track makeTrack(const Object& object, Need need, const TimeOptions& time) {
+  // What is in no pair stands: nobody waits for it, and its stamps are nobody's.
+  if (object.source.type == PoseSource::Type::kFixed || need != Need::kWatched)
+    return Track(object.source.fixed);
   TrackOptions options;
   options.motion = object.motion;
   options.on_timeout = object.on_timeout;
@@ -38,7 +42,9 @@ Track makeTrack(const Object& object, const TimeOptions& time) {
 std::vector<Track> makeTracks(const Scene& scene) {
   check(scene);
   std::vector<Track> tracks;
-  for (const Object& object : scene.objects) tracks.push_back(makeTrack(object, scene.time));
+  const std::vector<Need> needs = needsOf(scene);
+  for (std::size_t i = 0; i < needs.size(); ++i)
+    tracks.push_back(makeTrack(scene.objects[i], needs[i], scene.time));
   return tracks;
 }
 

@@ -8,8 +8,9 @@
 
 namespace collision_node::scene {
 
-/// One track per object, in the scene's order. Throws std::invalid_argument when the scene asks for what the
-/// engine cannot do: one line, file and key, value, what would be right.
+/// One track per object, in the scene's order; of an object in no watched pair, one that stands. Throws
+/// std::invalid_argument when the scene asks for what the engine cannot do: one line, file and key, value,
+/// what would be right.
 std::vector<Track> makeTracks(const Scene& scene);
 
 }  // namespace collision_node::scene

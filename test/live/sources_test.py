@@ -206,6 +206,27 @@ def check_gazebo(live, model_states_type):
     print('gazebo           2 events, STAMP_GUESSED')
 
 
+def check_left_out(live):
+    """What is in no pair is not subscribed; once the scene pairs it, it is."""
+    scene = BALL_AND_WALL % ('topic: ball', 'fixed: {}') + '  zero: {point: {}, pose: {topic: zero}}\n' \
+        '  scout: {point: {}, pose: {tf: scout}}\n'
+
+    def heard():
+        return {topic for topic, nodes in live.master.getSystemState()[1] if '/collision_node' in nodes}
+    live.write(scene + 'pairs: {only: [[ball, wall]]}\n')
+    live.load([('/ball', pose(0, 0))])
+    if '/ball' not in heard() or heard() & {'/zero', '/tf', '/tf_static'}:
+        sys.exit('subscribed, with zero and scout in no pair: %s' % heard())
+    live.send('ball', [('/ball', pose(i * NS // 10, 0.0)) for i in range(30)])
+    wait(live.children, 'a heartbeat of the ball alone', lambda: live.beats)
+    if any(beat.uncovered_objects or beat.pairs_uncovered for beat in live.beats):
+        sys.exit('waited for what is in no pair: %s' % live.beats)
+    live.write(scene)
+    live.load([('/ball', pose(0, 0))])
+    wait(live.children, 'all to be subscribed', lambda: {'/ball', '/zero', '/tf', '/tf_static'} <= heard())
+    print('left out         not subscribed, until a pair needs it')
+
+
 def check_overflow(live):
     """A queue of ten, and a node that sleeps through a burst: what is lost is counted, and its topic named."""
     live.write(BALL_AND_WALL % ('topic: ball', 'fixed: {}'))
@@ -257,6 +278,7 @@ def main():
                 sys.exit('"%s" has too few events to compare: %s' % (name, expected))
             live.compare(name, messages, expected)
         check_gazebo(live, model_states())
+        check_left_out(live)
         check_overflow(live)
         # A scene that cannot be read leaves the old one at work.
         live.write('objects: {}\n')

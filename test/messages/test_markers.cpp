@@ -66,6 +66,14 @@ TEST(Markers, startClearsAndDrawsFixedObjects) {
   EXPECT_EQ(array.markers[1].points.size(), 36u);
 }
 
+TEST(Markers, whatIsInNoPairIsNotDrawn) {
+  auto scene = std::make_shared<scene::Scene>(*twoBoxes());
+  scene->objects.push_back(boxObject("c", scene::PoseSource::Type::kFixed));
+  scene->pairs = {{0, 0, 1, 0, 0.0}};
+  const MarkerArray array = Markers(scene).start(ros::Time(5));
+  EXPECT_EQ(array.markers.size(), 3u) << "all is cleared, and the two links of b";
+}
+
 TEST(Markers, anEventShowsPointNormalBoundLabelAndBodies) {
   Markers markers(twoBoxes());
   const scene::Event e = impactEvent();

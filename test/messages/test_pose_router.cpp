@@ -1,4 +1,5 @@
 /// Which poses come out of which messages. Spheres named a, b, ... with the sources that a test gives them.
+#include <geometry_msgs/PoseArray.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
@@ -32,23 +33,40 @@ scene::PoseSource frame(const std::string& name) {
   return source;
 }
 
-/// `names`: of the objects; empty: a, b ...
-std::shared_ptr<const scene::Scene> sceneOf(const std::vector<scene::PoseSource>& sources,
-                                            const std::vector<std::string>& names) {
+/// Beside a wall that all are watched against. `names`: of the objects; empty: a, b ...
+std::shared_ptr<scene::Scene> sceneOf(std::vector<scene::PoseSource> sources,
+                                      std::vector<std::string> names = {}) {
   auto out = std::make_shared<scene::Scene>();
-  for (const auto& source : sources) {
-    out->objects.emplace_back();
-    const std::size_t i = out->objects.size() - 1;
-    out->objects.back().name = names.empty() ? std::string(1, static_cast<char>('a' + i)) : names[i];
-    out->objects.back().source = source;
+  for (std::size_t i = names.size(); i < sources.size(); ++i)
+    names.emplace_back(1, static_cast<char>('a' + i));
+  sources.emplace_back();
+  names.emplace_back("wall");
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    scene::Object object;
+    object.name = names[i];
+    object.source = sources[i];
+    object.links.resize(1);
+    object.links[0].shapes = {{geometry::Point{}, {}, "point"}};
+    out->objects.push_back(object);
   }
   return out;
 }
 
+/// In which only these are watched, against the wall.
+std::shared_ptr<scene::Scene> watching(std::shared_ptr<scene::Scene> scene, const std::vector<int>& objects) {
+  scene->pairs.watchNothingElse("not listed");
+  for (const int object : objects)
+    scene->pairs.set(object, static_cast<int>(scene->objects.size()) - 1,
+                     {{{object, 0, static_cast<int>(scene->objects.size()) - 1, 0, 0.0}, ""}});
+  return scene;
+}
+
 struct Router {
   explicit Router(const std::vector<scene::PoseSource>& sources, const std::vector<std::string>& names = {})
+      : Router(sceneOf(sources, names)) {}
+  explicit Router(std::shared_ptr<const scene::Scene> scene)
       : router(
-            sceneOf(sources, names), [](const std::string& name) { return "/" + name; },
+            std::move(scene), [](const std::string& name) { return "/" + name; },
             [this](int object, const motion::StampedPose& pose, StampKind kind) {
               objects.push_back(object);
               poses.push_back(pose);
@@ -311,6 +329,82 @@ TEST(PoseRouter, aBadPoseOfTheBaseIsCountedOnceAndAsItsOwn) {
   ASSERT_EQ(r.objects, std::vector<int>{0});
   EXPECT_EQ(r.router.faults().at("/base").rejected, 1u);
   EXPECT_EQ(r.router.faults().count("/joints"), 0u);
+}
+
+TEST(PoseRouter, whatIsInNoPairIsNotHeard) {
+  auto array = topic("array"), element = topic("array");
+  array.index = 0;
+  element.index = 7;  // more than there are: nobody asks
+  Router r(watching(sceneOf({topic("p"), topic("q"), frame("f"), array, element}), {0, 3}));
+  EXPECT_EQ(r.router.topics(), (Topics{"/array", "/p"}));
+  EXPECT_FALSE(r.router.usesTf());
+  EXPECT_EQ(r.router.topicOf(1), "");
+  geometry_msgs::PoseArray poses;
+  poses.header = header("world", 5);
+  poses.poses.resize(1);
+  poses.poses[0].orientation.w = 1;
+  EXPECT_EQ(r.send("/array", poses), "taken");
+  r.send("/q", poseIn("lab", 5, 1));
+  EXPECT_EQ(r.objects, std::vector<int>{3});
+  EXPECT_EQ(r.router.topics(), (Topics{"/array", "/p"}))
+      << "no tf for the frame of a topic that nobody needs";
+  EXPECT_THROW(Router(watching(sceneOf({topic("p"), topic("tf")}), {0})), PoseError)
+      << "a mistake all the same";
+}
+
+TEST(PoseRouter, aBaseInNoPairOnlyCarriesItsParts) {
+  Router r(watching(sceneOf(slider(), {"robot", "robot"}), {1}));
+  EXPECT_EQ(r.router.topics(), (Topics{"/base", "/joints"}));
+  for (int ms = 0; ms <= 300; ms += 100) {
+    r.send("/base", poseIn("world", ms, 0.01 * ms));
+    r.send("/joints", jointAt(ms, 1.0));
+  }
+  r.send("/base", poseIn("world", 400, std::nan("")));
+  r.router.flush();
+  EXPECT_EQ(r.objects, (std::vector<int>{1, 1, 1, 1}));
+  EXPECT_EQ(r.poses[3].pose.position.x(), 4.0);
+  EXPECT_EQ(r.router.faults().at("/base").rejected, 1u);
+  EXPECT_EQ(counted(r.router).rejected, 1u);
+}
+
+TEST(PoseRouter, aBaseInNoPairThatTfMovesStillNeedsTf) {
+  auto sources = slider();
+  sources[0] = frame("base");
+  Router r(watching(sceneOf(sources, {"robot", "robot"}), {1}));
+  EXPECT_EQ(r.router.topics(), (Topics{"/joints", "/tf", "/tf_static"}));
+  for (int ms = 0; ms <= 300; ms += 100) {
+    r.send("/tf", transform("world", "base", ms, 0.01 * ms));
+    r.send("/joints", jointAt(ms, 1.0));
+  }
+  r.router.flush();
+  EXPECT_EQ(r.objects, (std::vector<int>{1, 1, 1, 1}));
+  EXPECT_EQ(r.poses[3].pose.position.x(), 4.0);
+  EXPECT_TRUE(r.router.tf().unresolved().empty());
+}
+
+TEST(PoseRouter, jointsOfPartsInNoPairAreNeitherHeardNorAFault) {
+  auto sources = slider();
+  auto hand = sources[1];
+  hand.joints.push_back(hand.joints[0]);
+  hand.joints[1].joint.name = hand.joints[1].joint.driver = "grip";
+  sources.push_back(hand);
+  auto other = hand;
+  other.topic = "other_joints";
+  sources.push_back(topic("p"));
+  sources.push_back(other);
+  Router r(watching(sceneOf(sources, {"a", "a", "a", "b", "b"}), {0, 1, 3}));
+  EXPECT_EQ(r.router.topics(), (Topics{"/base", "/joints", "/p"}));
+  auto grip = jointAt(0, 1.0);
+  grip.name = {"grip"};
+  EXPECT_EQ(r.send("/joints", grip), "taken");
+  EXPECT_EQ(r.router.missingJoints().size(), 1u) << "the slide alone";
+  grip.name = {"grap"};
+  EXPECT_NE(r.send("/joints", grip), "taken");
+  // Where no part that moves is watched, the base is an object like others.
+  Router bare(watching(sceneOf(slider(), {"robot", "robot"}), {0}));
+  EXPECT_EQ(bare.router.topics(), Topics{"/base"});
+  EXPECT_EQ(bare.send("/base", poseIn("world", 0, 1.0)), "taken");
+  EXPECT_EQ(bare.objects, std::vector<int>{0}) << "at once, without a chain";
 }
 
 TEST(PoseRouter, whatAChainDropsIsCounted) {

@@ -41,6 +41,14 @@ TEST(Diagnostics, warnsBeforeTheFirstPoseAndNamesWhatNobodyPublishes) {
   EXPECT_EQ(diagnose(health).message, "nobody publishes /bal/pose");
 }
 
+TEST(Diagnostics, saysThatTheSceneWatchesNoPair) {
+  Health health = watching();
+  health.stats = {};
+  health.has_pairs = false;
+  EXPECT_EQ(diagnose(health).level, Status::WARN);
+  EXPECT_EQ(diagnose(health).message, "no pair is watched: nothing can be reported");
+}
+
 TEST(Diagnostics, refusedMessagesAreAnErrorAndCountedByTopic) {
   Health health = watching();
   health.stats.rejected = 5;

@@ -133,9 +133,13 @@ TEST_F(Articulated, aMovingBaseCarriesItsJoints) {
       if (ms % 30 == 0) bag.write("/joint_states", after(ms * kMs), jointAt(ms, "turn", 1.5e-3 * ms));
     }
   });
-  const auto got = events(run(armUrdf(0), "pose: {topic: base}, joints: {topic: joint_states}", "[0, 1, 0]"));
+  const char* const robot = "pose: {topic: base}, joints: {topic: joint_states}";
+  const Outcome all = run(armUrdf(0), robot, "[0, 1, 0]");
+  const auto got = events(all);
   ASSERT_EQ(got.size(), 2u);
   expectAt(got[0], "IMPACT", "arm", "target", (kQuarter - kTouching) / 2.0);
+  // The base itself need not be in any pair.
+  EXPECT_EQ(run(armUrdf(0), robot, "[0, 1, 0]", "pairs: {only: [[robot/arm, target]]}\n").out, all.out);
 }
 
 /// The joint stands in front of a base that turns: the link flies on a curve, and the straight line and slerp

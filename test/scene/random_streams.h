@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -33,8 +34,10 @@ class RandomStreams {
       acts_.erase(acts_.begin(), acts_.begin() + dice_.below(static_cast<int>(acts_.size() / 2 + 1)));
   }
 
-  void play(Rig& rig) const {
+  /// All, or what is done to the first `objects` of them and to the whole engine.
+  void play(Rig& rig, int objects = std::numeric_limits<int>::max()) const {
     for (const Act& act : acts_) {
+      if (act.object >= objects) continue;
       switch (act.what) {
         case Act::What::kPose:
           rig.engine.addPose(act.object, act.pose, act.guessed);

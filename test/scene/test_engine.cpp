@@ -1,4 +1,4 @@
-// Poses in, events out: order, numbers, breaks and certificates. The pairs are solved by a stand-in in closed
+// Poses in, events out: order, numbers and certificates. The pairs are solved by a stand-in in closed
 // form.
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "engine_fixture.h"
+#include "test/scene/engine_fixture.h"
 
 namespace collision_node::scene {
 namespace {
@@ -113,129 +113,6 @@ TEST(Engine, EqualInstantsAreOrderedByNames) {
   EXPECT_EQ(rig.events[4].contact_id, 1u);
 }
 
-TEST(Engine, NothingIsSweptThroughAGap) {
-  Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
-  rig.feedLine(0, 0, 400, 100, 0.0, 20.0);      // up to 8 m
-  rig.feedLine(0, 2000, 2400, 100, 20.0, 0.0);  // passed unseen
-  rig.engine.flush();
-  EXPECT_TRUE(rig.events.empty());
-}
-
-// README: "two poses are at most `max_gap` apart"
-TEST(Engine, AGapEndsAnOpenContact) {
-  Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
-  rig.feedLine(0, 0, 500, 100, 0.0, 20.0);
-  rig.feedLine(0, 2000, 2400, 100, 10.0, 0.0);
-  rig.engine.flush();
-  ASSERT_EQ(kinds(rig.events),
-            (Kinds{"IMPACT/CONFIRMED/NONE", "SEPARATION/UNCERTIFIED/GAP", "INITIAL_OVERLAP/CONFIRMED/NONE"}));
-  EXPECT_EQ(rig.events[1].stamp_ns, 500 * kMs);
-  EXPECT_EQ(rig.events[1].contact_id, 0u);
-  EXPECT_EQ(rig.events[2].stamp_ns, 2000 * kMs);
-  EXPECT_EQ(rig.events[2].contact_id, 1u);
-}
-
-// README: "no stream is silent, or behind the others, for longer than `timeout` of data time (a bag played
-// ten times as fast has a tenth of it in wall time)"
-TEST(Engine, ASilentObjectIsDroppedAndItsContactEnds) {
-  Rig rig(sceneOf({movingSphere("ball"), movingSphere("clock"), fixedSphere("wall", 10.0)}));
-  rig.feedLine(1, 0, 300, 100, 100.0, 0.0);
-  rig.feedLine(0, 0, 500, 100, 0.0, 20.0);
-  rig.feedLine(1, 400, 3000, 100, 100.0, 0.0);
-  ASSERT_EQ(kinds(rig.events), (Kinds{"IMPACT/CONFIRMED/NONE", "SEPARATION/UNCERTIFIED/TIMEOUT"}));
-  const Stats stats = rig.engine.stats();
-  EXPECT_EQ(stats.uncovered_objects, std::vector<std::string>{"ball"});
-  EXPECT_EQ(stats.pairs_uncovered, 2u);
-  EXPECT_EQ(stats.pairs_clear + stats.pairs_impact + stats.pairs_culled + stats.pairs_undecided, 1u);
-}
-
-TEST(Engine, AFrozenObjectIsMetWhereItStoppedButNotCertified) {
-  Object sleeper = movingSphere("sleeper");
-  sleeper.on_timeout = OnTimeout::kFreeze;
-  Rig rig(sceneOf({movingSphere("ball"), sleeper}));
-  rig.feedLine(1, 0, 200, 100, 60.0, 0.0);
-  rig.feedLine(0, 0, 5000, 100, 0.0, 20.0);  // meets 59 m at 2.95 s
-  EXPECT_EQ(kinds(rig.events), (Kinds{"IMPACT/UNCERTIFIED/TIMEOUT", "SEPARATION/UNCERTIFIED/TIMEOUT"}));
-  EXPECT_EQ(rig.events[0].b.sample_before_ns, 200 * kMs);
-  EXPECT_TRUE(rig.engine.stats().uncovered_objects.empty());
-}
-
-// engine.h: "everything before it is decided and published"
-TEST(Engine, TheWatermarkWaitsForWhatMovesBesideAFrozenObject) {
-  Object sleeper = movingSphere("sleeper");
-  sleeper.on_timeout = OnTimeout::kFreeze;
-  Rig rig(sceneOf({movingSphere("clock"), sleeper, movingSphere("slow")}));
-  rig.feedLine(1, 0, 200, 100, 17.0, 0.0);
-  for (Nanoseconds t = 0; t <= 5000; t += 100) {
-    // Meets the sleeper at 3.2 s, between two of its stamps.
-    if (t % 1000 == 0) rig.engine.addPose(2, poseAt(t, 0.005 * static_cast<double>(t)));
-    if (t >= 1400) rig.engine.addPose(0, poseAt(t - 1400, 100.0));
-  }
-  EXPECT_TRUE(rig.events.empty());
-  EXPECT_EQ(rig.engine.stats().watermark_ns, 3000 * kMs);
-  rig.feedLine(0, 3700, 5000, 100, 100.0, 0.0);
-  EXPECT_EQ(rig.engine.stats().watermark_ns, 4000 * kMs);
-  ASSERT_EQ(kinds(rig.events), (Kinds{"IMPACT/UNCERTIFIED/TIMEOUT", "SEPARATION/UNCERTIFIED/TIMEOUT"}));
-  EXPECT_EQ(rig.events[0].stamp_ns, 3200 * kMs);
-}
-
-TEST(Engine, AnObjectThatNeverComesIsNamed) {
-  Rig rig(sceneOf({movingSphere("absent"), movingSphere("ball"), fixedSphere("wall", 10.0)}));
-  rig.feedLine(1, 0, 1600, 100, 0.0, 20.0);
-  EXPECT_TRUE(rig.events.empty());
-  rig.feedLine(1, 1700, 2000, 100, 0.0, 20.0);
-  EXPECT_EQ(rig.events.size(), 2u);
-  EXPECT_EQ(rig.engine.stats().uncovered_objects, std::vector<std::string>{"absent"});
-  EXPECT_EQ(rig.engine.stats().pairs_uncovered, 2u);
-}
-
-// README: "stamps go forward"
-TEST(Engine, ALoopGivesTheSameEventsInANewEpoch) {
-  Rig rig(sceneOf({movingSphere("ball"), movingSphere("other"), fixedSphere("wall", 10.0)}));
-  for (int round = 0; round < 3; ++round)
-    for (Nanoseconds t = 5000; t <= 7000; t += 100) {
-      rig.engine.addPose(
-          0, poseAt(t, 0.01 * static_cast<double>(t) - 50.0));  // ends inside the wall's sphere… and on
-      rig.engine.addPose(1, poseAt(t + 7, 30.0));
-    }
-  rig.engine.flush();
-  std::vector<std::vector<std::string>> rounds(3);
-  for (Event event : rig.events) {
-    ASSERT_LT(event.epoch, 3u);
-    const std::uint32_t epoch = event.epoch;
-    event.epoch = 0;
-    rounds[epoch].push_back(text(event));
-  }
-  ASSERT_EQ(rounds[0].size(), 2u);
-  EXPECT_EQ(rounds[0], rounds[1]);
-  EXPECT_EQ(rounds[0], rounds[2]);
-  EXPECT_EQ(rig.engine.stats().late, 0u);
-}
-
-TEST(Engine, GoingBackInTimeEndsAnOpenContact) {
-  Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
-  rig.feedLine(0, 0, 500, 100, 0.0, 20.0);
-  rig.engine.clockWentBack();
-  rig.feedLine(0, 0, 500, 100, 0.0, 20.0);
-  rig.engine.flush();
-  EXPECT_EQ(kinds(rig.events),
-            (Kinds{"IMPACT/CONFIRMED/NONE", "SEPARATION/UNCERTIFIED/RESET", "IMPACT/CONFIRMED/NONE"}));
-  EXPECT_EQ(rig.events[1].epoch, 0u);
-  EXPECT_EQ(rig.events[2].epoch, 1u);
-  EXPECT_EQ(rig.events[2].event_id, 0u);
-}
-
-TEST(Engine, ResetForgetsAllAndBeginsAnEpoch) {
-  Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
-  rig.feedLine(0, 0, 500, 100, 0.0, 20.0);
-  rig.engine.reset();
-  EXPECT_EQ(kinds(rig.events), (Kinds{"IMPACT/CONFIRMED/NONE", "SEPARATION/UNCERTIFIED/RESET"}));
-  rig.feedLine(0, 600, 1000, 100, 0.0, 20.0);  // from 12 m: no segment joins it to 10 m
-  rig.engine.flush();
-  EXPECT_EQ(rig.events.size(), 2u);
-  EXPECT_EQ(rig.engine.stats().epoch, 1u);
-}
-
 TEST(Engine, AFlushInTheMiddleMissesNothing) {
   for (Nanoseconds flush_at = 100; flush_at <= 900; flush_at += 100) {
     Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
@@ -270,82 +147,6 @@ TEST(Engine, C13_ATurnTooFarForSlerpIsNotCertified) {
   EXPECT_EQ(kinds(rig.events), (Kinds{"IMPACT/UNCERTIFIED/ALIAS", "SEPARATION/UNCERTIFIED/ALIAS"}));
 }
 
-TEST(Engine, TwoFixedObjectsAreTestedOncePerEpoch) {
-  int advances = 0;
-  auto scene = sceneOf({movingSphere("ball"), fixedSphere("slab", 9.6), fixedSphere("wall", 10.0)});
-  scene->pairs = {{1, 0, 2, 0, 0.0}};
-  Rig rig(scene, &advances);
-  rig.feedLine(0, 1000, 4000, 100, 0.0, 0.0);
-  EXPECT_EQ(advances, 1);
-  ASSERT_EQ(kinds(rig.events), Kinds{"INITIAL_OVERLAP/CONFIRMED/NONE"});
-  EXPECT_EQ(rig.events[0].stamp_ns, 1000 * kMs);
-  rig.engine.reset();
-  EXPECT_EQ(rig.events.back().reason, impact::Reason::kReset);
-  EXPECT_EQ(rig.events.back().stamp_ns, 4000 * kMs);
-  rig.feedLine(0, 5000, 6000, 100, 0.0, 0.0);
-  EXPECT_EQ(rig.events.size(), 3u);
-}
-
-TEST(Engine, TwoFixedObjectsAreTestedThoughNoPoseEverComes) {
-  Rig rig(sceneOf({fixedSphere("slab", 9.6), fixedSphere("wall", 10.0)}));
-  rig.engine.flush();
-  ASSERT_EQ(kinds(rig.events), Kinds{"INITIAL_OVERLAP/CONFIRMED/NONE"});
-  EXPECT_EQ(rig.events[0].stamp_ns, 0);
-  ASSERT_EQ(rig.beats.size(), 1u);
-  EXPECT_EQ(rig.beats[0].pairs_impact, 1u);
-  rig.engine.flush();
-  EXPECT_EQ(rig.events.size(), 1u);
-  EXPECT_EQ(rig.beats.size(), 1u);
-  rig.engine.reset();
-  EXPECT_EQ(kinds(rig.events), (Kinds{"INITIAL_OVERLAP/CONFIRMED/NONE", "SEPARATION/UNCERTIFIED/RESET"}));
-}
-
-/// Two links 0.4 m apart on one body: they overlap wherever it goes.
-Object movingTwin(double distance) {
-  Object twin = movingSphere("twin");
-  Link other = twin.links[0];
-  other.name = "other";
-  other.T_o_l.position.x() = distance;
-  other.shapes[0].origin.position.x() = distance;
-  other.body = std::make_shared<geometry::Body>(other.shapes);
-  twin.links.push_back(other);
-  return twin;
-}
-
-TEST(Engine, LinksOfOneObjectAreTestedOncePerEpoch) {
-  for (const double distance : {0.4, 3.0}) {
-    SCOPED_TRACE(distance);
-    auto scene = sceneOf({movingTwin(distance), fixedSphere("wall", 100.0)});
-    scene->pairs = {{0, 0, 0, 1, 0.0}, {0, 0, 1, 0, 0.0}};
-    Rig rig(scene, impact::MethodName::kCertified);
-    rig.feedLine(0, 1000, 30000, 100, 5.0, 1.0);  // long enough for samples to be forgotten
-    rig.engine.flush();
-    const bool touch = distance < 1.0;
-    ASSERT_EQ(kinds(rig.events), touch ? Kinds{"INITIAL_OVERLAP/CONFIRMED/NONE"} : Kinds{});
-    EXPECT_EQ(rig.beats.back().pairs_clear + rig.beats.back().pairs_culled, touch ? 1u : 2u);
-    EXPECT_EQ(rig.beats.back().pairs_impact, touch ? 1u : 0u);
-    if (!touch) continue;
-    EXPECT_EQ(rig.events[0].stamp_ns, 1000 * kMs);
-    EXPECT_EQ(rig.events[0].a.link, "body");
-    EXPECT_EQ(rig.events[0].b.link, "other");
-    EXPECT_EQ(rig.events[0].a.pose.position.x(), 6.0);
-    rig.engine.reset();
-    ASSERT_EQ(rig.events.size(), 2u);
-    EXPECT_EQ(rig.events[1].reason, impact::Reason::kReset);
-    EXPECT_EQ(rig.events[1].stamp_ns, 30000 * kMs);
-    EXPECT_EQ(rig.events[1].a.pose.position.x(), 35.0);
-  }
-}
-
-TEST(Engine, LinksOfOneObjectAreTestedAtItsFirstPoseHoweverLateTheTestComes) {
-  auto scene = sceneOf({movingSphere("absent"), movingTwin(0.4)});
-  scene->pairs = {{0, 0, 1, 0, 0.0}, {1, 0, 1, 1, 0.0}};
-  Rig rig(scene, impact::MethodName::kCertified);
-  rig.feedLine(1, 1000, 4000, 5, 5.0, 1.0);  // some 300 poses while the other one is waited for
-  ASSERT_EQ(kinds(rig.events), Kinds{"INITIAL_OVERLAP/CONFIRMED/NONE"});
-  EXPECT_EQ(rig.events[0].stamp_ns, 1000 * kMs);
-}
-
 // README: "poses are finite, their quaternions of length 1, and one topic keeps to one type and one frame"
 TEST(Engine, C33_BadPosesAreCountedAndHarmless) {
   Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
@@ -360,63 +161,6 @@ TEST(Engine, C33_BadPosesAreCountedAndHarmless) {
   EXPECT_EQ(stats.duplicate, 1u);
   EXPECT_EQ(stats.accepted, 11u);
   EXPECT_EQ(rig.events.size(), 2u);
-}
-
-TEST(Engine, anObjectThatTurnsOutToBeFixedIsOneFromTheStart) {
-  auto scene = sceneOf({movingSphere("ball"), movingSphere("wall")});
-  Rig rig(scene);
-  rig.feedLine(0, 0, 500, 50, -2.0, 10.0);
-  EXPECT_FALSE(rig.engine.stats().has_watermark) << "the wall is waited for";
-  Pose pose;
-  pose.position.x() = 1.0;
-  rig.engine.fix(1, pose);
-  rig.feedLine(0, 550, 1000, 50, -2.0, 10.0);
-  rig.engine.flush();
-  EXPECT_EQ(kinds(rig.events),
-            (std::vector<std::string>{"IMPACT/CONFIRMED/NONE", "SEPARATION/CONFIRMED/NONE"}));
-  EXPECT_EQ(rig.engine.stats().pairs_uncovered, 0u);
-  rig.engine.fix(0, pose);  // it has sent poses: left as it is
-  rig.feedLine(0, 1050, 1100, 50, -2.0, 10.0);
-  EXPECT_EQ(rig.engine.stats().accepted, 23u);
-}
-
-TEST(Engine, anObjectThatIsFixedLateSaysNothingOfWhatIsDecided) {
-  auto scene = sceneOf({movingSphere("ball"), movingSphere("other"), movingSphere("wall")});
-  Rig rig(scene);
-  for (int t = 0; t <= 5000; t += 50) {  // through the wall's place at 0.3 s; the wall is given up at 1.6 s
-    rig.engine.addPose(0, poseAt(t, -2.0 + 0.01 * t));
-    rig.engine.addPose(1, poseAt(t, 100.0));
-  }
-  const auto decided = rig.engine.stats().watermark_ns;
-  Pose pose;
-  pose.position.x() = 1.0;
-  rig.engine.fix(2, pose);
-  rig.engine.flush();
-  EXPECT_TRUE(rig.events.empty());
-  EXPECT_GT(decided, 4000 * kMs);
-  EXPECT_EQ(rig.engine.stats().pairs_uncovered, 0u);
-}
-
-TEST(Engine, twoObjectsThatTurnOutToBeFixedAreTestedOnce) {
-  auto scene = sceneOf({movingSphere("ball"), fixedSphere("floor", 0.5), movingSphere("wall")});
-  Rig rig(scene);
-  rig.engine.fix(2, Pose());
-  rig.feedLine(0, 0, 500, 50, 50.0, 1.0);
-  rig.engine.flush();
-  EXPECT_EQ(kinds(rig.events), (std::vector<std::string>{"INITIAL_OVERLAP/CONFIRMED/NONE"}));
-}
-
-TEST(Engine, nothingIsSweptWhereTheSourceKnowsNothingOfTheWay) {
-  auto scene = sceneOf({movingSphere("ball"), fixedSphere("wall", 0.0)});
-  Rig rig(scene);
-  rig.engine.addPose(0, poseAt(0, -5.0));
-  auto after = poseAt(100, 5.0);
-  after.begins_anew = true;
-  rig.engine.addPose(0, after);
-  rig.engine.addPose(0, poseAt(200, 5.0));
-  rig.engine.flush();
-  EXPECT_TRUE(rig.events.empty());
-  EXPECT_EQ(rig.engine.stats().holes, 1u);
 }
 
 TEST(Engine, aComposedPathWithATwistAgainstItMakesAlias) {

@@ -155,7 +155,7 @@ TEST(EngineStats, APairWithAHoleIsUncoveredUntilTheNextHeartbeat) {
 
 TEST(EngineStats, ADroppedObjectIsUncoveredUntilTheHeartbeatAfterItsReturn) {
   auto scene = sceneOf({movingSphere("ball"), movingSphere("clock"), fixedSphere("wall", 10.0)});
-  scene->pairs = {{0, 0, 2, 0, 0.0}};
+  scene->pairs = {{0, 0, 2, 0, 0.0}, {1, 0, 2, 0, 0.0}};
   Rig rig(scene);
   for (Nanoseconds t = 0; t <= 8000; t += 100) {
     rig.engine.addPose(1, poseAt(t, 50.0));
@@ -191,12 +191,28 @@ TEST(EngineStats, APairThatSharedNoTimeIsUncoveredAndNotCulled) {
 TEST(EngineStats, AStaticTestCoversTheWholeEpochHoweverLateItComes) {
   auto scene = sceneOf(
       {movingSphere("absent"), movingSphere("ball"), fixedSphere("slab", 8.0), fixedSphere("wall", 10.0)});
-  scene->pairs = {{2, 0, 3, 0, 0.0}};
+  scene->pairs = {{0, 0, 3, 0, 0.0}, {1, 0, 3, 0, 0.0}, {2, 0, 3, 0, 0.0}};
   Rig rig(scene);
   rig.feedLine(1, 0, 3000, 100, 50.0, 0.0);
   ASSERT_EQ(rig.beats.size(), 2u);
-  EXPECT_EQ(rig.beats[0].pairs_uncovered, 1u);  // before the watermark
-  EXPECT_EQ(rig.beats[1].pairs_clear, 1u);
+  EXPECT_EQ(rig.beats[0].pairs_uncovered, 2u);  // before the watermark: the test, and who is absent
+  EXPECT_EQ(rig.beats[1].pairs_uncovered, 1u);
+  EXPECT_EQ(rig.beats[1].pairs_clear, 2u);
+}
+
+TEST(EngineStats, AnObjectThatIsFixedBetweenHeartbeatsIsCountedOnce) {
+  Rig rig(sceneOf(
+      {movingSphere("absent"), movingSphere("ball"), fixedSphere("post", 8.0), fixedSphere("wall", 10.0)}));
+  rig.feedLine(1, 0, 1200, 100, 50.0, 0.0);  // a heartbeat while all wait for the first one
+  ASSERT_EQ(rig.beats.size(), 1u);
+  Pose pose;
+  pose.position.x() = 20.0;
+  rig.engine.fix(0, pose);
+  const Stats stats = rig.engine.stats();
+  // Three pairs stand and are tested; the ball has met what stands, and not yet who has just come.
+  EXPECT_EQ(stats.pairs_uncovered, 1u);
+  EXPECT_EQ(stats.pairs_clear, 5u);
+  EXPECT_EQ(stats.pairs_culled + stats.pairs_impact + stats.pairs_undecided, 0u);
 }
 
 TEST(EngineStats, WhatIsInDoubtIsNeverClearNorCulled) {

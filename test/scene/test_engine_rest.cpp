@@ -5,43 +5,12 @@
 #include <cstdlib>
 
 #include "test/scene/random_streams.h"
+#include "test/scene/same_run.h"
 
 namespace collision_node::scene {
 namespace {
 
 constexpr auto kCertified = impact::MethodName::kCertified;
-
-std::uint64_t allBins(const Stats& s) {
-  return s.pairs_culled + s.pairs_clear + s.pairs_impact + s.pairs_undecided + s.pairs_uncovered;
-}
-
-/// What must be the same whether pairs rest or not: all but what is culled and what is clear, and the cost.
-std::string text(const Stats& s) {
-  std::ostringstream out;
-  out << "epoch " << s.epoch << " at " << s.stamp_ns << " watermark " << s.watermark_ns << " apart "
-      << s.pairs_culled + s.pairs_clear << " impact " << s.pairs_impact << " undecided " << s.pairs_undecided
-      << " uncovered " << s.pairs_uncovered << " holes " << s.holes << std::hexfloat << " bracket "
-      << s.worst_bracket << " ball " << s.worst_position_error;
-  for (const std::string& name : s.uncovered_objects) out << ' ' << name;
-  return out.str();
-}
-
-std::vector<std::string> texts(const std::vector<Stats>& beats) {
-  std::vector<std::string> out;
-  for (const Stats& beat : beats) out.push_back(text(beat));
-  return out;
-}
-
-/// "" when they are the same.
-std::string difference(const std::vector<std::string>& got, const std::vector<std::string>& expected) {
-  const std::size_t most = std::max(got.size(), expected.size());
-  for (std::size_t i = 0; i < most; ++i) {
-    const std::string l = i < got.size() ? got[i] : "nothing",
-                      r = i < expected.size() ? expected[i] : "nothing";
-    if (l != r) return "number " + std::to_string(i) + "\ngot      " + l + "\nexpected " + r;
-  }
-  return "";
-}
 
 struct Tally {
   std::size_t events = 0, beats = 0;

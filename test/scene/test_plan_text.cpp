@@ -85,14 +85,14 @@ TEST_F(PlanText, SaysWhatAPairThatCannotMoveIsAskedAndWhen) {
   const std::string fixed =
       planText(*load("objects: {a: {point: {}, pose: {fixed: {}}}, b: {point: {}, pose: {fixed: {}}}}\n"));
   EXPECT_HAS(fixed, "warnings (1):\n  " + file_ +
-                        ": no object moves: each pair is tested once, at the end, with stamp 0");
+                        ": no watched object moves: each pair is tested once, at the end, with stamp 0");
   const std::string self = planText(*load(R"(
 objects: {robot: {urdf: robot.urdf, pose: {topic: robot/pose}}}
 pairs: {self: true}
 )"));
   EXPECT_HAS(self,
              "  robot/base x robot/tool: certified: box x mesh, links of one object: one static test\n");
-  EXPECT_HAS_NOT(self, "no object moves");
+  EXPECT_HAS_NOT(self, "no watched object moves");
 }
 
 TEST_F(PlanText, AskedSurfaceAndOddTrianglesAreSaid) {
