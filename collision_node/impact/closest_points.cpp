@@ -82,7 +82,7 @@ SlidingPoints::SlidingPoints(const Element& a, const Element& b)
 
 void SlidingPoints::find(const Cores& cores) {
   const PosedCore &segment = curve_is_a_ ? cores.a : cores.b, &solid = curve_is_a_ ? cores.b : cores.a;
-  frame_ = *solid.rotation * solid_.frame.axes;
+  frame_ = solid_.frame.aligned ? *solid.rotation : Mat3(*solid.rotation * solid_.frame.axes);
   const Vec3* const ends = segment.element->vertices;
   x_ = frame_.transpose() * (segment.place(ends[0]) - solid.place(solid_.frame.centre));
   edge_.setZero();
@@ -108,7 +108,7 @@ bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
   // Near a side or an end of the cylinder another feature may hold the closest points.
   constexpr double kSharp = 1e-3;
   if (!(length > kSharp * std::abs(out.z()) && std::abs(out.z()) > kSharp * length)) return false;
-  frame_ = *solid.rotation * solid_.frame.axes;
+  frame_ = solid_.frame.aligned ? *solid.rotation : Mat3(*solid.rotation * solid_.frame.axes);
   const double end = std::copysign(e.half_length, out.z());
   const Vec3 centre = frame_.transpose() *
                       (rim.place(e.centre + end * e.frame->axes.col(2)) - solid.place(solid_.frame.centre));

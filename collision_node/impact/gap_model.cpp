@@ -29,9 +29,10 @@ MovingSupport::MovingSupport(const Element& e, const Vec3& u0, const Vec3& u1, c
   kind_ = e.vertices == nullptr ? kCylinder : e.count == 1 ? kPoint : e.count == 2 ? kSegment : kBox;
   if (kind_ == kPoint) return;
   half_ = kind_ == kCylinder ? Vec3(e.rim_radius, 0.0, e.half_length) : frame.half;
-  u0_ = frame.axes.transpose() * u0;
-  u1_ = frame.axes.transpose() * u1;
-  u2_ = frame.axes.transpose() * u2;
+  const bool turned = !frame.aligned;
+  u0_ = turned ? Vec3(frame.axes.transpose() * u0) : u0;
+  u1_ = turned ? Vec3(frame.axes.transpose() * u1) : u1;
+  u2_ = turned ? Vec3(frame.axes.transpose() * u2) : u2;
 }
 
 double MovingSupport::at(const Vec3& u) const {
@@ -78,8 +79,10 @@ MovingSupport::Trend MovingSupport::trend() const {
 
 GapModel::SeenAxis::SeenAxis(const Axis& axis, const Mat3& rotation, const Vec3& omega, double spin,
                              double reach)
-    : first(rotation.transpose() * axis.direction) {
+    : first(Vec3::Zero()), second(first), third(first), cubic(0.0), quartic(0.0) {
+  if (reach == 0.0) return;  // the origin
   const Vec3 turning = omega.cross(axis.direction);
+  first = rotation.transpose() * axis.direction;
   second = rotation.transpose() * (axis.rate - turning);
   third = rotation.transpose() * omega.cross(0.5 * turning - axis.rate);
   const double share = spin * spin * reach * (kUp / 6.0);
@@ -383,8 +386,8 @@ Apart apartFor(const GapModel& model, double span) {
     }
     const GapModel::Bounds bounds = model.until(end);
     if (bounds.positive()) return {end, bounds.last, -trend.slopeAt(end)};
-    // Features changed, or nearly all of the time was asked for. The chord to the end is about where the bound
-    // comes to zero, unless the pair recedes at first.
+    // Features changed, or nearly all of the time was asked for. The chord to the end is about where the
+    // bound comes to zero, unless the pair recedes at first.
     const double chord = bounds.last > 0.0 ? 0.5 : 0.9 * bounds.first / (bounds.first - bounds.last);
     const double missed = bounds.last - trend.at(end);
     if (i + 1 < kRefits && missed < 0.0 && !(bounds.last > 0.0)) {

@@ -109,6 +109,59 @@ TEST(ContactProof, WhatIsSaidToTouchTouches) {
   EXPECT_GT(deep_said, 0.98 * deep) << "not a guarantee, but the solver would confirm nothing";
 }
 
+TEST(ContactProof, AFeatureThatIsSaidToReachIntoTheOtherTouchesIt) {
+  // "a known feature of one of them reaches into the other": the two as they were last seen apart, then moved
+  // together to within rounding of touching, or through it.
+  Random random(kSeed, 7);
+  int said = 0, deep = 0, deep_said = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const double size = random.decade(-2, 2), at = random.unit();
+    const auto solid = [&]() -> geometry::PlacedShape {
+      const auto length = [&] { return size * random.decade(-1, 0); };
+      geometry::PlacedShape out;
+      out.source = "random";
+      out.origin = {moving::randomVec(random, random.chance(0.5) ? 0.0 : size), random.orientation()};
+      if (random.chance(0.5)) {
+        out.shape = geometry::Box{{length(), length(), length()}};
+      } else {
+        out.shape = geometry::Cylinder{length(), length()};
+      }
+      return out;
+    };
+    const moving::Shapes a = {solid()}, b = {solid()};
+    Piece piece = moving::randomPiece(random, size, fuzz::pointOf(random, a[0].shape),
+                                      fuzz::pointOf(random, b[0].shape), at, Vec3::Zero());
+    pushToTouch(random, a, b, piece, at, size);
+    const Looked look(a, b, piece, 0.0);
+    const PairPiece& solver = look.pair.solver;
+    const double t = at * solver.motion.duration();
+    const Instant now = solver.at(t);
+    Instant before = now;
+    const double budgets = random.decade(1, 6) * solver.point_error;
+    before.d += std::max(budgets, 1e-9 * size) * 3.0 * now.d.normalized();
+    const Closest closest = closestPoints(Cores(before, look.a, look.b), Vec3::Zero());
+    if (closest.overlap) continue;
+    const Vec3 direction = closest.v.normalized();
+    ContactWitness witness;
+    const bool touches = touchesSliding(solver, now, look.a, look.b, closest,
+                                        random.chance(0.8) ? &direction : nullptr, witness);
+    const Real distance = look.pair.exact.distance(t);
+    said += touches;
+    if (touches) {
+      ASSERT_LE(distance, resolution(look.pair)) << "seed " << kSeed << " case " << i;
+    }
+    if (distance > 0) continue;
+    Instant shallower = now;
+    shallower.d += 1e3 * solver.point_error * now.d.normalized();
+    if (Cores(shallower, look.a, look.b).gapAlong(direction) > 0.0) continue;
+    ++deep;
+    deep_said += touches;
+  }
+  std::printf("%d contacts proved; %d of %d deeper ones\n", said, deep_said, deep);
+  EXPECT_GT(said, 500);
+  EXPECT_GT(deep_said, deep / 2) << "not a guarantee, but without it each contact is searched for";
+}
+
 TEST(ContactProof, WhatIsSaidToTouchThroughoutTouchesAtFiftyTimes) {
   Random random(kSeed, 1);
   int said = 0;
