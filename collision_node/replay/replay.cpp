@@ -318,7 +318,7 @@ int run(const Options& options, std::ostream& out, std::ostream& err, bool progr
   }
   try {
     const auto scene = load(options, err);
-    const std::string plan = scene::planText(*scene);
+    const std::string plan = options.plan || !options.out.empty() ? scene::planText(*scene) : "";
     if (options.plan) (options.jsonl == "-" ? err : out) << plan;
     if (options.bags.empty()) return kDone;
     return Run(options, scene, out, err).run(plan, progress);

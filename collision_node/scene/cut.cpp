@@ -120,8 +120,8 @@ std::optional<Nanoseconds> TimeLine::newestInEpoch() const {
 }
 
 void ModelWatch::describe(Fingerprint& to) const {
-  to.add(runs_);
-  if (runs_) addState(state_, to);
+  to.add(state_ != nullptr);
+  if (state_) addState(*state_, to);
   to.add(approaches_.size());
   for (const Approach& approach : approaches_) {
     addEvent(approach.event, to);

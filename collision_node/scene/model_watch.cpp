@@ -44,8 +44,9 @@ bool ModelWatch::canRunOn(const Trust& trust) const {
 
 void ModelWatch::skip(const Trust& trust) {
   startOver();
-  runs_ = canRunOn(trust);
-  if (runs_) state_.phase = Phase::kApart;
+  if (!canRunOn(trust)) return;
+  state_ = std::make_unique<impact::PairState>();
+  state_->phase = Phase::kApart;
 }
 
 impact::PieceOutcome ModelWatch::advance(const Step& step) {
@@ -61,31 +62,29 @@ impact::PieceOutcome ModelWatch::advance(const Step& step) {
   error_a_ = std::max(error_a_, step.trust.error_a.position);
   error_b_ = std::max(error_b_, step.trust.error_b.position);
   tube_ = std::max(tube_, piece.tube);
-  runs_ = true;
+  if (!state_) state_ = std::make_unique<impact::PairState>();
   std::vector<impact::PairEvent> events;
-  const impact::PieceOutcome outcome = method_.advance(piece, state_, events);
+  const impact::PieceOutcome outcome = method_.advance(piece, *state_, events);
   take(events);
   return outcome;
 }
 
 void ModelWatch::finish() {
-  if (!runs_) return;
+  if (!state_) return;
   std::vector<impact::PairEvent> events;
-  method_.finish(state_, events);
+  method_.finish(*state_, events);
   take(events);
 }
 
 void ModelWatch::interrupt() {
-  if (!runs_) return;
+  if (!state_) return;
   finish();
-  state_ = impact::PairState();
-  runs_ = false;
+  state_.reset();
   if (!approaches_.empty()) approaches_.back().has_ended = true;
 }
 
 void ModelWatch::startOver() {
-  state_ = impact::PairState();
-  runs_ = false;
+  state_.reset();
   approaches_.clear();
   contacts_.clear();
 }
@@ -121,8 +120,8 @@ void ModelWatch::take(const std::vector<impact::PairEvent>& events) {
   }
   if (approaches_.empty()) return;
   Approach& last = approaches_.back();
-  if (state_.phase == Phase::kApart) last.has_ended = true;
-  if (isUndecided() && state_.published) last.has_given_up = true;
+  if (state_->phase == Phase::kApart) last.has_ended = true;
+  if (isUndecided() && state_->published) last.has_given_up = true;
 }
 
 /// Where a true contact in the bracket can be: on either body, and the solver's own ball if it holds all that
@@ -192,8 +191,8 @@ std::vector<impact::PairEvent> ModelWatch::takeNearMisses() {
 }
 
 std::optional<Instant> ModelWatch::openSince() const {
-  if (!runs_ || !isUndecided() || state_.published || state_.was_touching) return std::nullopt;
-  return instantAt(state_.pending.interval_start_ns, state_.pending.toi_lower);
+  if (!isUndecided() || state_->published || state_->was_touching) return std::nullopt;
+  return instantAt(state_->pending.interval_start_ns, state_->pending.toi_lower);
 }
 
 void ModelWatch::forgetEnded() {

@@ -5,6 +5,7 @@
 /// contact at or before its `upper`.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -51,11 +52,11 @@ class ModelWatch {
 
   /// Lower end of a bracket that is still being searched.
   std::optional<Instant> openSince() const;
-  bool isUndecided() const { return state_.phase == impact::PairState::Phase::kUndecided; }
+  bool isUndecided() const { return state_ && state_->phase == impact::PairState::Phase::kUndecided; }
   /// No approach is under way.
   bool isApart() const {
     return approaches_.empty() && contacts_.empty() &&
-           (!runs_ || state_.phase == impact::PairState::Phase::kApart);
+           (!state_ || state_->phase == impact::PairState::Phase::kApart);
   }
   /// All that what it says later depends on (cut.cpp).
   void describe(Fingerprint& to) const;
@@ -79,10 +80,9 @@ class ModelWatch {
 
   const impact::PairMethod& method_;
   double reach_a_, reach_b_, contact_distance_;
-  impact::PairState state_;
-  bool runs_ = false;
-  std::vector<Approach> approaches_;  ///< in time order; only the last may still go on
-  std::vector<Contact> contacts_;     ///< of the model
+  std::unique_ptr<impact::PairState> state_;  ///< while tubes are known: most pairs never need it
+  std::vector<Approach> approaches_;          ///< in time order; only the last may still go on
+  std::vector<Contact> contacts_;             ///< of the model
   // Over all pieces since the bracket opened.
   double speed_a_ = 0.0, speed_b_ = 0.0;  ///< [m/s] of the origins
   double error_a_ = 0.0, error_b_ = 0.0;  ///< [m] of the origins

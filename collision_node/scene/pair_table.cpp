@@ -151,7 +151,7 @@ void PairTable::makeDue(ObjectPair& pair) {
   due_.push_back(&pair);
 }
 
-/// A resting pair is asked for again when one of its objects has gone half of what is left.
+/// Of a pair that was awake.
 void PairTable::layDown(ObjectPair& pair) {
   for (const int object : {pair.a(), pair.b()}) {
     std::vector<ObjectPair*>& list = awake_[object];
@@ -160,6 +160,11 @@ void PairTable::layDown(ObjectPair& pair) {
     *at = list.back();
     list.pop_back();
   }
+  setAlarms(pair);
+}
+
+/// A resting pair is asked for again when one of its objects has gone half of what is left.
+void PairTable::setAlarms(ObjectPair& pair) {
   ++pair.place.nap;
   if (!pair.isResting()) return;
   const double share = 0.5 * pair.slack(world_);
@@ -195,7 +200,7 @@ void PairTable::wakeUp(int object) {
     ObjectPair& pair = *alarm.pair;
     if (alarm.nap != pair.place.nap) continue;
     if (pair.slack(world_) > 0.0) {
-      layDown(pair);
+      setAlarms(pair);
       continue;
     }
     goOnBehindProof(pair, kForEver);
@@ -209,7 +214,7 @@ void PairTable::goOnBehindProof(ObjectPair& pair, Nanoseconds proved_ns) {
   pair.jumpTo(world_.track(a).indexAt(until, settled(a)), world_.track(b).indexAt(until, settled(b)));
   ++pair.place.nap;
   if (pair.tryToRest(world_)) {
-    layDown(pair);
+    setAlarms(pair);
   } else {
     rouse(pair);
   }

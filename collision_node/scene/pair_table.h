@@ -67,6 +67,7 @@ class PairTable {
   void makeDue(ObjectPair& pair);
   void rouse(ObjectPair& pair);
   void layDown(ObjectPair& pair);
+  void setAlarms(ObjectPair& pair);
   void takeAway(ObjectPair& pair, EventQueue& queue);
   std::size_t settled(int track) const;
   Nanoseconds settledUntil(int track) const;

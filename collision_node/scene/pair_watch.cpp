@@ -165,16 +165,16 @@ void PairWatch::publish(const impact::PairEvent& event, const Context& context) 
 
 /// To the queue: all that need not wait for the model's error, and what the error alone makes possible.
 void PairWatch::letGo(const Context& context, Outbox& outbox) {
-  while (!waiting_.empty()) {
-    Waiting& first = waiting_.front();
-    if (first.from.kind == impact::Kind::kImpact) {
-      const std::optional<ModelWatch::Answer> answer = model_.answer(first.from);
+  auto first = waiting_.begin();
+  for (; first != waiting_.end(); ++first) {
+    if (first->from.kind == impact::Kind::kImpact) {
+      const std::optional<ModelWatch::Answer> answer = model_.answer(first->from);
       if (!answer) break;
-      fillModel(first.event, *answer);
+      fillModel(first->event, *answer);
     }
-    outbox.push(rank_, first.event, first.contact);
-    waiting_.pop_front();
+    outbox.push(rank_, first->event, first->contact);
   }
+  waiting_.erase(waiting_.begin(), first);
   for (const impact::PairEvent& miss : model_.takeNearMisses()) {
     Event event = makeEvent(miss, context);
     if (miss.kind == impact::Kind::kImpact) {

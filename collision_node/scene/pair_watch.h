@@ -1,7 +1,6 @@
 /// One watched pair of links: its method, what is known of it, and its events on their way to the queue.
 #pragma once
 
-#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -92,7 +91,7 @@ class PairWatch {
   Context bracket_;  ///< over all pieces that an open bracket has seen
   std::shared_ptr<ContactNumber> contact_;
   ModelWatch model_;
-  std::deque<Waiting> waiting_;
+  std::vector<Waiting> waiting_;
   bool has_advanced_ = false;
   bool knows_origin_ = false;  ///< has been apart, or begun anew, since the first piece
   std::optional<impact::Answer> worst_;

@@ -45,15 +45,18 @@ void Track::add(motion::StampedPose pose, bool guessed, std::optional<Nanosecond
     ++counts_.duplicate;
     return;
   }
-  if (held_) resolveHeld(pose, floor);
-  if (isKnown(stamp)) {
-    ++counts_.duplicate;
-    return;
+  if (held_) {
+    resolveHeld(pose, floor);
+    if (isKnown(stamp)) {
+      ++counts_.duplicate;
+      return;
+    }
   }
   place({pose, guessed}, floor);
 }
 
 bool Track::isKnown(Nanoseconds stamp_ns) const {
+  if (isEmpty() || stamp_ns > newest_) return false;
   return pending_.count(stamp_ns) != 0 || std::binary_search(recent_.begin(), recent_.end(), stamp_ns);
 }
 

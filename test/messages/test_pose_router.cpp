@@ -361,7 +361,7 @@ TEST(PoseRouter, aBaseInNoPairOnlyCarriesItsParts) {
   }
   r.send("/base", poseIn("world", 400, std::nan("")));
   r.router.flush();
-  EXPECT_EQ(r.objects, (std::vector<int>{1, 1, 1, 1}));
+  ASSERT_EQ(r.objects, (std::vector<int>{1, 1, 1, 1}));
   EXPECT_EQ(r.poses[3].pose.position.x(), 4.0);
   EXPECT_EQ(r.router.faults().at("/base").rejected, 1u);
   EXPECT_EQ(counted(r.router).rejected, 1u);
@@ -377,7 +377,7 @@ TEST(PoseRouter, aBaseInNoPairThatTfMovesStillNeedsTf) {
     r.send("/joints", jointAt(ms, 1.0));
   }
   r.router.flush();
-  EXPECT_EQ(r.objects, (std::vector<int>{1, 1, 1, 1}));
+  ASSERT_EQ(r.objects, (std::vector<int>{1, 1, 1, 1}));
   EXPECT_EQ(r.poses[3].pose.position.x(), 4.0);
   EXPECT_TRUE(r.router.tf().unresolved().empty());
 }
