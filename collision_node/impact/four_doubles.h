@@ -43,18 +43,23 @@ COLLISION_NODE_INLINE Four withSign(const Four& x, const Four& of) {
   return (Four)((FourBits)x ^ ((FourBits)of & kSignBit));
 }
 
-/// One bit for each lane where x <= y.
-COLLISION_NODE_INLINE unsigned whereOrdered(const Four& x, const Four& y) {
-  const FourBits ordered = x <= y;
+/// One bit for each lane that is all ones.
+COLLISION_NODE_INLINE unsigned lanesOf(const FourBits& mask) {
 #if defined(__x86_64__)
   __m128d half[2];
-  std::memcpy(half, &ordered, sizeof half);
+  std::memcpy(half, &mask, sizeof half);
   return static_cast<unsigned>(_mm_movemask_pd(half[0]) | _mm_movemask_pd(half[1]) << 2);
 #else
   unsigned all = 0;
-  for (int i = 0; i < kFour; ++i) all |= static_cast<unsigned>(ordered[i] & 1) << i;
+  for (int i = 0; i < kFour; ++i) all |= static_cast<unsigned>(mask[i] & 1) << i;
   return all;
 #endif
+}
+
+/// One bit for each lane where x <= y.
+COLLISION_NODE_INLINE unsigned whereOrdered(const Four& x, const Four& y) {
+  const FourBits ordered = x <= y;
+  return lanesOf(ordered);
 }
 
 /// x . y, of numbers or of fours.

@@ -1,181 +1,215 @@
 #include "collision_node/impact/path_walk.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <utility>
-
-#if defined(__x86_64__)
-#include <emmintrin.h>
-#endif
+#include "collision_node/impact/eight_floats.h"
 
 namespace collision_node::impact {
 namespace {
 
 using geometry::WideNode;
 
-// Wider than the baseline's registers: the compiler splits them there.
-typedef float Floats __attribute__((vector_size(32), may_alias));
-typedef double Doubles __attribute__((vector_size(32), may_alias));
-using FloatMask = decltype(Floats{} < Floats{});
-using DoubleMask = decltype(Doubles{} < Doubles{});
-
-#define COLLISION_NODE_INLINE inline __attribute__((always_inline))
-
 constexpr float kWider = 0x1p-20f;  ///< four roundings of a quotient, sixteen times over
 constexpr double kStill = 0x1p-60;  ///< slower than this along an axis is standing still
 constexpr double kU = 0x1p-53;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-COLLISION_NODE_INLINE int bits(const FloatMask& mask) {
-#if defined(__x86_64__)
-  __m128 half[2];
-  __builtin_memcpy(half, &mask, sizeof mask);
-  return _mm_movemask_ps(half[0]) | _mm_movemask_ps(half[1]) << 4;
-#else
-  int all = 0;
-  for (int i = 0; i < 8; ++i) all |= (mask[i] & 1) << i;
-  return all;
-#endif
-}
+using FourFloats = float __attribute__((vector_size(kFour * sizeof(float))));
+using FourFloatBits = std::int32_t __attribute__((vector_size(kFour * sizeof(std::int32_t))));
 
-COLLISION_NODE_INLINE int bits(const DoubleMask& mask) {
-#if defined(__x86_64__)
-  __m128d half[2];
-  __builtin_memcpy(half, &mask, sizeof mask);
-  return _mm_movemask_pd(half[0]) | _mm_movemask_pd(half[1]) << 2;
-#else
-  int all = 0;
-  for (int i = 0; i < 4; ++i) all |= static_cast<int>(mask[i] & 1) << i;
-  return all;
-#endif
-}
-
-template <typename V>
-COLLISION_NODE_INLINE V larger(const V& a, const V& b) {
-  return a > b ? a : b;
-}
-template <typename V>
-COLLISION_NODE_INLINE V smaller(const V& a, const V& b) {
-  return a < b ? a : b;
-}
-COLLISION_NODE_INLINE Doubles magnitude(const Doubles& a) { return larger(a, -a); }
-
-struct Waiting {
-  std::int32_t child;
-  float entered;
-};
-
-/// Lanes of the node that the path may enter before `limit`, and where it enters them.
-COLLISION_NODE_INLINE int enteredLanes(const PathWalk& walk, const WideNode& node, float limit,
-                                       Floats& entered) {
-  const auto plane = [&](int i) -> const Floats& { return *reinterpret_cast<const Floats*>(node.plane[i]); };
-  Floats near = (plane(walk.near_plane[0]) - walk.near_origin[0]) * walk.inverse[0];
-  Floats far = (plane(walk.far_plane[0]) - walk.far_origin[0]) * walk.inverse[0];
-#pragma GCC unroll 2
-  for (int k = 1; k < 3; ++k) {
-    near = larger(near, (plane(walk.near_plane[k]) - walk.near_origin[k]) * walk.inverse[k]);
-    far = smaller(far, (plane(walk.far_plane[k]) - walk.far_origin[k]) * walk.inverse[k]);
-  }
-  near = larger(near * (1.0f - kWider), Floats{});
-  far = smaller(far * (1.0f + kWider), Floats{} + limit);
-  entered = near;
-  return bits(near <= far);
+template <typename Four, typename Number>
+COLLISION_NODE_INLINE void store(const Four& x, Number (&to)[kFour]) {
+  std::memcpy(to, &x, sizeof to);
 }
 
 /// Lanes whose triangle, seen along the path, is not clearly to one side of it.
-COLLISION_NODE_INLINE int nearLanes(const PathWalk& walk, const Vec3* vertices, const WideLeaf& leaf) {
+COLLISION_NODE_INLINE unsigned nearLanes(const PathWalk& walk, const double* vertices, const WideLeaf& leaf,
+                                         SeenLeaf& seen) {
   const ShearedFrame& f = walk.frame;
-  Doubles x[3], y[3];
-  Doubles size = {};
+  const double *const in_x = vertices + f.kx, *const in_y = vertices + f.ky, *const in_z = vertices + f.kz;
+  Four x[3], y[3], size = {};
   for (int k = 0; k < 3; ++k) {
-    const double* v[4];
-    for (int lane = 0; lane < 4; ++lane) v[lane] = vertices[leaf.vertex[k][lane]].data();
-    const auto along = [&](int axis) { return Doubles{v[0][axis], v[1][axis], v[2][axis], v[3][axis]}; };
-    const Doubles z = along(f.kz) - f.origin[2];
-    x[k] = (along(f.kx) - f.origin[0]) - f.shear_x * z;
-    y[k] = (along(f.ky) - f.origin[1]) - f.shear_y * z;
+    std::ptrdiff_t v[4];
+    for (int lane = 0; lane < 4; ++lane) v[lane] = 3 * static_cast<std::ptrdiff_t>(leaf.vertex[k][lane]);
+    const auto of = [&](const double* axis) { return Four{axis[v[0]], axis[v[1]], axis[v[2]], axis[v[3]]}; };
+    const Four z = of(in_z) - f.origin[2];
+    x[k] = (of(in_x) - f.origin[0]) - f.shear_x * z;
+    y[k] = (of(in_y) - f.origin[1]) - f.shear_y * z;
     size = larger(size, larger(magnitude(x[k]), magnitude(y[k])));
+    store(z, seen.depth[k]);
   }
-  const Doubles error = size * (4.0 * f.error + 8.0 * kU * size) + (2.0 * f.error * f.error);
-  Doubles side[3];
+  const Four error = size * (4.0 * f.error + 8.0 * kU * size) + (2.0 * f.error * f.error);
+  store(error, seen.error);
+  Four side[3];
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     side[k] = x[j] * y[i] - y[j] * x[i];
+    store(side[k], seen.side[k]);
   }
+  // Written so that what is no number is near.
+  FourBits misses = {};
   if (walk.reach == 0.0) {
-    const Doubles least = smaller(side[0], smaller(side[1], side[2]));
-    const Doubles most = larger(side[0], larger(side[1], side[2]));
-    return ~bits((least < -error) & (most > error)) & 15;
+    const Four least = smaller(side[0], smaller(side[1], side[2]));
+    const Four most = larger(side[0], larger(side[1], side[2]));
+    misses = (least < -error) & (most > error);
+  } else {
+    // Beyond the tube on the outer side of some edge. Which side is outer is known only to the error, hence
+    // twice.
+    const Four turn = side[0] + side[1] + side[2];
+    const double reach2 = walk.reach * walk.reach;
+    for (int k = 0; k < 3; ++k) {
+      const int i = (k + 1) % 3, j = (k + 2) % 3;
+      const Four ex = x[j] - x[i], ey = y[j] - y[i];
+      const Four outside = (turn < 0.0 ? side[k] : -side[k]) - 8.0 * error;
+      misses |= (outside > 0.0) & (outside * outside > reach2 * (ex * ex + ey * ey));
+    }
   }
-  // Beyond the tube on the outer side of some edge. Which side is outer is known only to the error, hence
-  // twice.
-  const Doubles turn = side[0] + side[1] + side[2];
-  const double reach2 = walk.reach * walk.reach;
-  DoubleMask misses = {};
-  for (int k = 0; k < 3; ++k) {
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    const Doubles ex = x[j] - x[i], ey = y[j] - y[i];
-    const Doubles outside = (turn < 0.0 ? side[k] : -side[k]) - 8.0 * error;
-    misses |= (outside > 0.0) & (outside * outside > reach2 * (ex * ex + ey * ey));
-  }
-  return ~bits(misses) & 15;
+  return ~lanesOf(misses) & 15u;
 }
+
+/// A path's numbers, each for all eight boxes of a node.
+struct WidePath {
+  explicit COLLISION_NODE_INLINE WidePath(const PathWalk& walk) : begin(allEight(walk.begin)) {
+    for (int k = 0; k < 3; ++k) {
+      near_plane[k] = walk.near_plane[k];
+      far_plane[k] = walk.far_plane[k];
+      near_origin[k] = allEight(-walk.near_origin[k]);
+      far_origin[k] = allEight(-walk.far_origin[k]);
+      near_inverse[k] = allEight(walk.near_inverse[k]);
+      far_inverse[k] = allEight(walk.far_inverse[k]);
+    }
+  }
+
+  COLLISION_NODE_INLINE Eight nearAt(const WideNode& node, int k) const {
+    return (loadEight(node.plane[0] + near_plane[k]) + near_origin[k]) * near_inverse[k];
+  }
+  COLLISION_NODE_INLINE Eight farAt(const WideNode& node, int k) const {
+    return (loadEight(node.plane[0] + far_plane[k]) + far_origin[k]) * far_inverse[k];
+  }
+
+  std::int64_t near_plane[3], far_plane[3];
+  Eight near_origin[3], far_origin[3], near_inverse[3], far_inverse[3], begin;
+};
+
+/// Children of a node by where the path enters them: the bits of that parameter, which sort as it does, but
+/// for the last three, which are the lane. It rounds down, and choosing the nearest needs no branch.
+struct Entered {
+  static constexpr std::int32_t kNone = std::numeric_limits<std::int32_t>::max();
+
+  EightBits keys;
+  const std::int32_t* child;
+  std::int32_t count;
+
+  Entered() = default;
+  COLLISION_NODE_INLINE Entered(const WideNode& node, const WidePath& path, float limit) : child(node.child) {
+    const Eight near =
+        larger(larger(larger(path.nearAt(node, 0), path.nearAt(node, 1)), path.nearAt(node, 2)), path.begin);
+    const Eight far = smaller(smaller(smaller(path.farAt(node, 0), path.farAt(node, 1)), path.farAt(node, 2)),
+                              allEight(limit));
+    const EightBits enters = near <= far;
+    keys = ((EightBits)near & ~7) | EightBits{0, 1, 2, 3, 4, 5, 6, 7};
+    keys = enters ? keys : allEight(kNone);
+    count = __builtin_popcount(lanesOf(enters));
+  }
+
+  /// Of at least one: which, and where it is entered.
+  COLLISION_NODE_INLINE std::int32_t nearest(float& entered) const {
+    const std::int32_t key = leastOf(keys), parameter = key & ~7;
+    std::memcpy(&entered, &parameter, sizeof entered);
+    return key;
+  }
+  COLLISION_NODE_INLINE std::int32_t take(std::int32_t key) {
+    keys |= (keys == allEight(key)) & kNone;
+    --count;
+    return child[key & 7];
+  }
+};
 
 COLLISION_NODE_INLINE std::uint64_t walkAll(const WideBvh& bvh, const PathWalk& walk, float limit,
                                             PathVisitor& visitor) {
+  const WidePath path(walk);
   const WideNode* const nodes = bvh.nodes().data();
   const WideLeaf* const leaves = bvh.leaves().data();
-  const Vec3* const vertices = bvh.vertices();
-  Waiting stack[WideBvh::kStack];
+  const double* const vertices = bvh.vertices()->data();
+  Entered waiting[WideBvh::kStack / 7];
   int height = 0;
-  Waiting now = {0, 0.0f};
-  std::uint64_t tests = 0;
-  while (true) {
-    ++tests;
-    if (now.child >= 0) {
-      const WideNode& node = nodes[now.child];
-      Floats entered;
-      int lanes = enteredLanes(walk, node, limit, entered);
-      if (lanes != 0) {
-        const auto next = [&] {
-          const int lane = __builtin_ctz(static_cast<unsigned>(lanes));
-          lanes &= lanes - 1;
-          return Waiting{node.child[lane], reinterpret_cast<const float*>(&entered)[lane]};
-        };
-        // The nearest goes on at once, the others wait, sorted while they are written, farthest first.
-        now = next();
-        const int base = height;
-        while (lanes != 0) {
-          Waiting child = next();
-          if (child.entered < now.entered) std::swap(child, now);
-          int place = height++;
-          for (; place > base && stack[place - 1].entered < child.entered; --place)
-            stack[place] = stack[place - 1];
-          stack[place] = child;
-        }
+  std::int32_t now = 0;
+  float entered = 0.0f;
+  for (std::uint64_t tests = 1;; ++tests) {
+    if (now >= 0) {
+      Entered children(nodes[now], path, limit);
+      if (children.count > 0) {
+        now = children.take(children.nearest(entered));
+        waiting[height] = children;
+        height += children.count > 0;
         continue;
       }
     } else {
-      const WideLeaf& leaf = leaves[~now.child];
-      int lanes = nearLanes(walk, vertices, leaf);
-      while (lanes != 0) {
-        const int lane = __builtin_ctz(static_cast<unsigned>(lanes));
-        lanes &= lanes - 1;
-        if (leaf.element[lane] >= 0) limit = visitor.visit(leaf, lane, now.entered, limit);
+      const WideLeaf& leaf = leaves[~now];
+      SeenLeaf seen;
+      for (unsigned lanes = nearLanes(walk, vertices, leaf, seen); lanes != 0; lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        if (leaf.element[lane] >= 0) limit = visitor.visit(leaf, seen, lane, entered, limit);
       }
     }
-    do {
+    std::int32_t key = 0;
+    while (true) {
       if (height == 0) return tests;
-      now = stack[--height];
-    } while (now.entered > limit);
+      key = waiting[height - 1].nearest(entered);
+      if (!(entered > limit)) break;
+      --height;  // so are the others
+    }
+    now = waiting[height - 1].take(key);
+    height -= waiting[height - 1].count == 0;
   }
 }
 
+COLLISION_NODE_INLINE Four fourOf(const Vec3& x, double last) { return Four{x[0], x[1], x[2], last}; }
+
+/// In doubles to the part inside the root box, so that floats see numbers of its size only. A time outside is
+/// off by at most a few roundings of the distance over the speed, a place by a few of the distance. An axis
+/// along which the path stands still is one along which it creeps by less than that.
+COLLISION_NODE_INLINE void clip(PathWalk& walk, const WideBvh& bvh, const Vec3& p, const Vec3& v, double to,
+                                double grown) {
+  const Four offset = fourOf(p, 0.0) - fourOf(bvh.centre(), 0.0), velocity = fourOf(v, 1.0);
+  const FourBits back = velocity < 0.0;
+  const Four speed = larger(magnitude(velocity), Four{} + std::abs(walk.frame.rate) * kStill);
+  const Four half = (fourOf(bvh.half(), kInfinity) + grown) * (1.0 + 0x1p-20);
+  const Four along = back ? -offset : offset, per_speed = 1.0 / speed;
+  const Four in = (-half - along) * per_speed, out = (half - along) * per_speed;
+  const double low = std::max(std::max(in[0], in[1]), std::max(in[2], walk.start)),
+               high = std::min(std::min(out[0], out[1]), std::min(out[2], to));
+  if (low > high) return;
+  walk.misses = false;
+  walk.start = low;
+  walk.span = high - low;
+  const double scale = bvh.scale(), units = walk.span * scale;
+  // 2^-21 of the largest place and the largest way, which are within the box and the tube around it.
+  const double grow = grown * scale * (1.0 + 0x1p-18) + 0x1p-19;
+  const Four place = (offset + low * velocity) * scale, ahead = back ? Four{} - grow : Four{} + grow;
+  const FourFloats still = FourFloats{} + static_cast<float>(kStill);
+  FourFloats way = __builtin_convertvector(speed * units, FourFloats);
+  way = way > still ? way : still;
+  const FourFloats inverse = 1.0f / (__builtin_convertvector(back, FourFloatBits) ? -way : way);
+  const FourBits lower = {0, kEight, 2 * kEight, 0}, upper = lower + 3 * kEight;
+  store(__builtin_convertvector(place + ahead, FourFloats), walk.near_origin);
+  store(__builtin_convertvector(place - ahead, FourFloats), walk.far_origin);
+  store(inverse * (1.0f - kWider), walk.near_inverse);
+  store(inverse * (1.0f + kWider), walk.far_inverse);
+  store(back ? upper : lower, walk.near_plane);
+  store(back ? lower : upper, walk.far_plane);
+}
+
+void clipBaseline(PathWalk& walk, const WideBvh& bvh, const Vec3& p, const Vec3& v, double to, double grown) {
+  clip(walk, bvh, p, v, to, grown);
+}
 std::uint64_t walkBaseline(const WideBvh& bvh, const PathWalk& walk, float limit, PathVisitor& visitor) {
   return walkAll(bvh, walk, limit, visitor);
 }
 
 #if defined(__x86_64__)
+__attribute__((target("avx2"))) void clipAvx2(PathWalk& walk, const WideBvh& bvh, const Vec3& p,
+                                              const Vec3& v, double to, double grown) {
+  clip(walk, bvh, p, v, to, grown);
+}
 __attribute__((target("avx2"))) std::uint64_t walkAvx2(const WideBvh& bvh, const PathWalk& walk, float limit,
                                                        PathVisitor& visitor) {
   return walkAll(bvh, walk, limit, visitor);
@@ -193,56 +227,16 @@ Lanes fastestLanes() {
 #endif
 }
 
-void ShearedFrame::follow(const Vec3& o, const Vec3& velocity) {
-  velocity.cwiseAbs().maxCoeff(&kz);
-  kx = (kz + 1) % 3;
-  ky = (kz + 2) % 3;
-  rate = velocity[kz];
-  per_rate = 1.0 / rate;
-  origin[0] = o[kx];
-  origin[1] = o[ky];
-  origin[2] = o[kz];
-  shear_x = velocity[kx] * per_rate;
-  shear_y = velocity[ky] * per_rate;
-}
-
 PathWalk::PathWalk(const WideBvh& bvh, const ShearedFrame& sheared, const Vec3& p, const Vec3& v, double from,
-                   double to, double tube, double sheared_tube)
-    : start(from), span(to - from), frame(sheared), reach(sheared_tube) {
-  // In doubles to the part inside the root box, so that floats see numbers of its size only. A time outside
-  // is off by at most a few roundings of the distance over the speed, a place by a few of the distance.
-  const Vec3 offset = p - bvh.centre();
-  const double rounding = 16.0 * kU *
-                          (p.cwiseAbs().maxCoeff() + bvh.centre().cwiseAbs().maxCoeff() +
-                           v.cwiseAbs().maxCoeff() * std::max(std::abs(from), std::abs(to)));
-  double low = from, high = to, per_v[3] = {};
-  for (int k = 0; k < 3; ++k) {
-    const double half = (bvh.half()[k] + tube + rounding) * (1.0 + 0x1p-20);
-    if (v[k] == 0.0) {
-      if (std::abs(offset[k]) > half) return;
-      continue;
-    }
-    per_v[k] = 1.0 / v[k];
-    const double middle = -offset[k] * per_v[k], reach = half * std::abs(per_v[k]);
-    low = std::max(low, middle - reach);
-    high = std::min(high, middle + reach);
+                   double to, double tube, double sheared_tube, double size, Lanes fastest)
+    : lanes(fastest), start(from), span(to - from), frame(sheared), reach(sheared_tube) {
+#if defined(__x86_64__)
+  if (lanes == Lanes::kAvx2) {
+    clipAvx2(*this, bvh, p, v, to, tube + 32.0 * kU * size);
+    return;
   }
-  if (low > high) return;
-  misses = false;
-  start = low;
-  span = high - low;
-  const Vec3 o = (offset + low * v) * bvh.scale(), w = v * (span * bvh.scale());
-  const double grow = (tube + rounding) * bvh.scale() * (1.0 + 0x1p-20) +
-                      0x1p-21 * (o.cwiseAbs().maxCoeff() + w.cwiseAbs().maxCoeff()) + 0x1p-40;
-  const double per_unit = 1.0 / (span * bvh.scale());
-  for (int k = 0; k < 3; ++k) {
-    const bool still = std::abs(w[k]) < kStill, forward = still || w[k] > 0.0;
-    near_plane[k] = forward ? k : 3 + k;
-    far_plane[k] = forward ? 3 + k : k;
-    near_origin[k] = static_cast<float>(forward ? o[k] + grow : o[k] - grow);
-    far_origin[k] = static_cast<float>(forward ? o[k] - grow : o[k] + grow);
-    inverse[k] = static_cast<float>(still ? 1.0 / kStill : per_v[k] * per_unit);
-  }
+#endif
+  clipBaseline(*this, bvh, p, v, to, tube + 32.0 * kU * size);
 }
 
 float PathWalk::parameterUp(double t) const {
@@ -257,11 +251,10 @@ double PathWalk::timeDown(float parameter) const {
   return start + std::max(0.0, lower) * span;
 }
 
-std::uint64_t walkPath(const WideBvh& bvh, const PathWalk& walk, float limit, PathVisitor& visitor,
-                       Lanes lanes) {
+std::uint64_t walkPath(const WideBvh& bvh, const PathWalk& walk, float limit, PathVisitor& visitor) {
   if (walk.misses) return 0;
 #if defined(__x86_64__)
-  if (lanes == Lanes::kAvx2) return walkAvx2(bvh, walk, limit, visitor);
+  if (walk.lanes == Lanes::kAvx2) return walkAvx2(bvh, walk, limit, visitor);
 #endif
   return walkBaseline(bvh, walk, limit, visitor);
 }

@@ -6,6 +6,9 @@
 /// Woop, C. Benthin, I. Wald 2013 (sheared frame).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "collision_node/geometry/wide_bvh.h"
@@ -24,7 +27,20 @@ Lanes fastestLanes();  ///< of this processor
 /// still in them. A vertex is at (x, y) = what is left of its offset from `origin` there, z its depth along
 /// the path.
 struct ShearedFrame {
-  void follow(const Vec3& origin, const Vec3& velocity);
+  void follow(const Vec3& o, const Vec3& velocity) {
+    constexpr int kAxis[5] = {0, 1, 2, 0, 1};
+    const double x = std::abs(velocity[0]), y = std::abs(velocity[1]), z = std::abs(velocity[2]);
+    kz = z > std::max(x, y) ? 2 : y > x ? 1 : 0;
+    kx = kAxis[kz + 1];
+    ky = kAxis[kz + 2];
+    rate = velocity[kz];
+    per_rate = 1.0 / rate;
+    origin[0] = o[kx];
+    origin[1] = o[ky];
+    origin[2] = o[kz];
+    shear_x = velocity[kx] * per_rate;
+    shear_y = velocity[ky] * per_rate;
+  }
 
   int kx, ky, kz;
   double origin[3];  ///< along kx, ky, kz
@@ -37,36 +53,47 @@ struct ShearedFrame {
 struct PathWalk {
   /// The path p + t v, t in [from, to], p and v in the frame of the hierarchy's vertices [m], [m/s]; v is not
   /// zero. `tube` [m] is how far from it a triangle is still met, `sheared_tube` the same in sheared
-  /// coordinates beyond their error; 0 where only what the line itself may meet counts.
+  /// coordinates beyond their error; 0 where only what the line itself may meet counts. `size` [m] is
+  /// twice a bound of |p| + |vertex| at both ends.
   PathWalk(const WideBvh& bvh, const ShearedFrame& frame, const Vec3& p, const Vec3& v, double from,
-           double to, double tube, double sheared_tube);
+           double to, double tube, double sheared_tube, double size, Lanes fastest);
 
   /// The parameter at a time, rounded up.
   float parameterUp(double t) const;
   /// A time not after the parameter.
   double timeDown(float parameter) const;
 
+  Lanes lanes;
   bool misses = true;  ///< the root box: nothing to walk
   double start, span;  ///< [s] of parameter 0, and per parameter
-  // Boxes, in the hierarchy's units; the path's parameter runs from 0 to 1 inside the root box.
-  float near_origin[3], far_origin[3], inverse[3];
-  int near_plane[3], far_plane[3];
+  // Boxes, in the hierarchy's units; the path's parameter runs from 0 to 1 inside the root box. Of x y z; the
+  // fourth numbers are not used.
+  float near_origin[4], far_origin[4], near_inverse[4], far_inverse[4];
+  std::int64_t near_plane[4], far_plane[4];  ///< from WideNode::plane, in floats
+  float begin = 0.0f;                        ///< the parameter that boxes are entered at or after
   // Triangles.
   const ShearedFrame& frame;
   double reach;  ///< sheared_tube
 };
 
+/// A leaf's triangles in the sheared frame. Edge k is the one across from corner k; the path passes inside a
+/// triangle where its three sides have one sign.
+struct SeenLeaf {
+  alignas(32) double depth[3][4];  ///< [corner][lane] along the path [m]
+  alignas(32) double side[3][4];   ///< [edge][lane] distance of the path, with a sign, times the length [m^2]
+  alignas(32) double error[4];     ///< of the sides
+};
+
 /// Sees what the walk could not rule out. Returns the new limit: what is entered after it need not be seen.
 class PathVisitor {
  public:
-  virtual float visit(const WideLeaf& leaf, int lane, float entered, float limit) = 0;
+  virtual float visit(const WideLeaf& leaf, const SeenLeaf& seen, int lane, float entered, float limit) = 0;
 
  protected:
   ~PathVisitor() = default;
 };
 
 /// Counts nodes and leaves. Everything from parameter 0 to `limit` is walked.
-std::uint64_t walkPath(const WideBvh& bvh, const PathWalk& walk, float limit, PathVisitor& visitor,
-                       Lanes lanes);
+std::uint64_t walkPath(const WideBvh& bvh, const PathWalk& walk, float limit, PathVisitor& visitor);
 
 }  // namespace collision_node::impact

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/impact/closest_on_triangle.h"
+
 namespace collision_node::impact {
 namespace {
 
@@ -70,6 +72,7 @@ Place placeOfSphere(const StraightPath& path, const PathContact& contact, const 
 
 /// What all the triangles of a passage share.
 Feature sharedFeature(const PathContact& contact) {
+  if (contact.count == 1) return Feature::kFace;
   int shared = 0;
   for (const std::int32_t v : contact.met[0].vertex) {
     shared += std::all_of(contact.met, contact.met + contact.count, [&](const Met& met) {
@@ -79,10 +82,16 @@ Feature sharedFeature(const PathContact& contact) {
   return shared == 1 ? Feature::kVertex : shared == 2 ? Feature::kEdge : Feature::kFace;
 }
 
+Pose poseAt(const motion::RigidMotion& motion, double s) {
+  if (motion.omega.isZero(0.0)) return {motion.c[0] + s * motion.c[1], motion.q0};
+  return motion.at(s);
+}
+
 }  // namespace
 
-void writeStraight(const Piece& piece, const PairOptions& options, const StraightPath& path,
-                   const PathContact& contact, PairEvent& event) {
+__attribute__((flatten)) void writeStraight(const Piece& piece, const PairOptions& options,
+                                            const StraightPath& path, const PathContact& contact,
+                                            PairEvent& event) {
   const auto placeOf = [&](const Met& met) {
     return path.radius() > 0.0 ? placeOfSphere(path, contact, met) : placeOfPoint(path, contact, met);
   };
@@ -112,17 +121,17 @@ void writeStraight(const Piece& piece, const PairOptions& options, const Straigh
   event.interval_end_ns = piece.end_ns;
   event.toi_lower = contact.lower;
   event.toi_upper = contact.upper;
-  event.a.pose = piece.a.at(line.offset_a + t);
-  event.b.pose = piece.b.at(line.offset_b + t);
+  event.a.pose = poseAt(piece.a, line.offset_a + t);
+  event.b.pose = poseAt(piece.b, line.offset_b + t);
   event.a.sample_before_ns = piece.a.start_ns;
   event.a.sample_after_ns = piece.a.end_ns;
   event.b.sample_before_ns = piece.b.start_ns;
   event.b.sample_after_ns = piece.b.end_ns;
 
-  const Vec3 apart = line.d + t * line.rate, in_world = path.toWorld() * place.point;
+  const Vec3 apart = line.d + t * line.rate, in_world = path.inWorld(place.point);
   const Vec3 position = point_is_a ? Vec3(apart + in_world) : in_world;  // relative to A's origin
   event.position = event.a.pose.position + position;
-  event.normal = path.toWorld() * place.direction;
+  event.normal = path.inWorld(place.direction);
   if (point_is_a) event.normal = -event.normal;
   event.normal_error = std::min(M_PI, place.cone + 2.0 * StraightPath::kTurnError + 32.0 * kUnit);
   // In the world the place moves with the triangles and over them; a point's, at most as fast as the point.
@@ -134,28 +143,37 @@ void writeStraight(const Piece& piece, const PairOptions& options, const Straigh
       path.radius() > 0.0 ? with_triangles : std::min(with_point, with_triangles + path.speed() * span);
   event.position_error += place.point_error + path.pointError() + 8.0 * kUnit * (world + path.maxDistance());
   event.position_error *= kUp;
-  event.relative_velocity = line.rate + piece.b.omega.cross(position - apart) - piece.a.omega.cross(position);
-  event.closing_speed = -event.relative_velocity.dot(event.normal);
+  event.relative_velocity = line.rate;
 
   const std::int32_t element = contact.met[0].element;
+  const Element& single = path.single().primitive(0);
   Side &triangle_side = point_is_a ? event.b : event.a, &point_side = point_is_a ? event.a : event.b;
   triangle_side.shape = path.mesh().shapeOf(element);
   triangle_side.triangle = path.mesh().triangleOf(element);
   triangle_side.feature = place.feature;
   triangle_side.point = place.point;
-  point_side.shape = path.single().primitive(0).shape;
-  point_side.feature = path.single().primitive(0).radius > 0.0 ? Feature::kSmooth : Feature::kVertex;
-  point_side.point =
-      point_side.pose.orientation.normalized().conjugate() * (point_is_a ? position : Vec3(position - apart));
+  point_side.shape = single.shape;
+  if (path.radius() == 0.0) {  // it is the vertex, which its body's spin does not move
+    point_side.feature = Feature::kVertex;
+    point_side.point = single.vertices[0];
+  } else {
+    const Vec3 arm = point_is_a ? position : Vec3(position - apart);
+    const Vec3 turning = (point_is_a ? piece.a : piece.b).omega.cross(arm);
+    event.relative_velocity += point_is_a ? Vec3(-turning) : turning;
+    point_side.feature = single.radius > 0.0 ? Feature::kSmooth : Feature::kVertex;
+    point_side.point = point_side.pose.orientation.normalized().conjugate() * arm;
+  }
+  event.closing_speed = -event.relative_velocity.dot(event.normal);
 }
 
 PairState::Phase phaseBehind(const StraightPath& path, const PathContact& contact) {
   if (path.radius() > 0.0) return PairState::Phase::kTouching;
-  const std::vector<int>& solids = path.mesh().solids();
-  const auto into_solid = [&](const Met& met) {
-    return std::find(solids.begin(), solids.end(), path.mesh().shapeOf(met.element)) != solids.end();
-  };
-  if (std::none_of(contact.met, contact.met + contact.count, into_solid)) return PairState::Phase::kApart;
+  bool into_solid = false;
+  for (int i = 0; i < contact.count; ++i) {
+    const int shape = path.mesh().shapeOf(contact.met[i].element);
+    for (const int solid : path.mesh().solids()) into_solid = into_solid || solid == shape;
+  }
+  if (!into_solid) return PairState::Phase::kApart;
   return contact.count == 1 && contact.met[0].sure ? PairState::Phase::kTouching
                                                    : PairState::Phase::kUndecided;
 }

@@ -3,44 +3,21 @@
 /// Guarantee, in exact arithmetic of the loaded geometry and the motion model:
 ///   kClear       the body's core stays farther than the contact's radius from every triangle, throughout.
 ///   kContact     the same holds on [from, lower); contact is proved at or before `upper`; and with radius 0
-///   the point
-///                has passed through all that it met since `lower` by then.
+///                the point has passed through all that it met since `lower` by then.
 ///   kCannotTell  nothing is claimed: a graze, an end of the time inside a bracket, or too many triangles at
-///   once.
+///                once.
 /// Watertight: a passage through a shared edge or vertex is one contact, proved with all the triangles around
-/// it. Derivation: docs/solver.md, "Straight paths".
+/// it. The path and its budget are straight_path.cpp's; what a point passes, straight_point.cpp's; what a
+/// sphere touches, straight_sphere.cpp's. Derivation: docs/solver.md, "Straight paths".
 #pragma once
 
 #include <optional>
 
 #include "collision_node/impact/pair_piece.h"
+#include "collision_node/impact/path_contact.h"
 #include "collision_node/impact/path_walk.h"
 
 namespace collision_node::impact {
-
-struct PathContact {
-  enum class Kind { kClear, kContact, kCannotTell };
-  static constexpr int kMost = 24;
-
-  /// A triangle that is met, or may be, in the bracket.
-  struct Met {
-    std::int32_t element;
-    std::int32_t vertex[3];
-    double lower, upper;  ///< the part of the time on which it can be (radius > 0: begin to be) met [s]
-    bool sure;            ///< it is met
-    bool forward;  ///< radius 0 and sure: from the side that its corners go round clockwise to the other
-  };
-
-  Kind kind = Kind::kClear;
-  double lower = 0.0, upper = 0.0;  ///< [s] from the piece's start
-  int count = 0;
-  Met met[kMost];           ///< those of the bracket, first the one that is reported
-  std::uint64_t tests = 0;  ///< nodes and leaves that were looked at
-};
-
-/// Closest point of a triangle by the region of its plane that x lies over (C. Ericson 2005). A proposal:
-/// what is proved from it holds for any point of the triangle.
-Vec3 closestOnTriangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
 
 class StraightPath {
  public:
@@ -79,7 +56,8 @@ class StraightPath {
   Vec3 at(double t) const { return p_ + t * v_; }       ///< in the triangles' frame
   const Vec3& velocity() const { return v_; }           ///< [m/s]
   const motion::LinearPart& line() const { return line_; }
-  const Mat3& toWorld() const { return to_world_; }  ///< the triangles' axes in the world's
+  /// A vector of the triangles' frame in the world's axes.
+  Vec3 inWorld(const Vec3& v) const { return turned_ ? Vec3(to_world_ * v) : v; }
   const WideBvh& triangles() const { return *bvh_; }
 
   /// Of the triangles' axes, however computed [rad].
@@ -91,12 +69,13 @@ class StraightPath {
   void firstOfPoint(double from, double to, double width, PathContact& contact, Lanes lanes) const;
   void firstOfSphere(double from, double to, double width, PathContact& contact, Lanes lanes) const;
   bool provesPassage(const PathContact& contact) const;
+  void setBudget(const Piece& piece);
 
   const Body *mesh_, *single_;
   const WideBvh* bvh_;
-  bool point_is_a_;
+  bool point_is_a_, turned_;
   motion::LinearPart line_;
-  Mat3 to_world_;
+  Mat3 to_world_;  ///< where the triangles are turned
   Vec3 p_, v_;
   double contact_distance_, radius_, point_error_, error_, speed_, max_distance_;
   double size_;  ///< bounds every offset between the path and a vertex [m]

@@ -55,20 +55,6 @@ RelativeMotion RelativeMotion::stilled(bool a, bool b) const {
   return still;
 }
 
-LinearPart::LinearPart(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns, Nanoseconds end_ns)
-    : duration(secondsBetween(start_ns, end_ns)),
-      offset_a(a.fixed ? 0.0 : secondsBetween(a.start_ns, start_ns)),
-      offset_b(b.fixed ? 0.0 : secondsBetween(b.start_ns, start_ns)),
-      reach(std::max(std::abs(offset_a), std::abs(offset_b)) + duration) {
-  // B's polynomial about its own offset minus A's about its own, written so that equal velocities cancel
-  // exactly: c_b o_b - c_a o_a = (c_b - c_a) o_b + c_a (o_b - o_a), with o_b - o_a from integers.
-  const double shift = a.fixed || b.fixed ? offset_b - offset_a : secondsBetween(b.start_ns, a.start_ns);
-  const Vec3 apart = b.c[0] - a.c[0];
-  rate = b.c[1] - a.c[1];
-  d = apart + (rate * offset_b + a.c[1] * shift);
-  magnitude = apart.norm() + 2.0 * rate.norm() * reach + a.c[1].norm() * std::abs(shift);
-}
-
 RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns,
                                Nanoseconds end_ns)
     : motion_a_(a), motion_b_(b) {
@@ -94,7 +80,7 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
   // Every term that was rounded, at its largest over both segments' shares of time. What both objects have in
   // common never was, but for the rounding of each one's own coefficients: a line's velocity (difference,
   // duration, quotient), and what a cubic's bend owes to the velocities it is computed from.
-  double magnitude = line.magnitude + (d_[1].norm() - line.rate.norm()) * reach;
+  double magnitude = line.magnitude(a, b) + (d_[1].norm() - line.rate.norm()) * reach;
   double power = reach;
   for (int k = 2; k < 4; ++k) {
     power *= reach;

@@ -1,6 +1,9 @@
 /// Both objects' motion on one piece, differences first: world axes, origin at object A's origin.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "collision_node/motion/rigid_motion.h"
 
 namespace collision_node::motion {
@@ -8,13 +11,28 @@ namespace collision_node::motion {
 /// What the linear parts of two motions make of B's origin minus A's on a piece: d + t rate, world axes.
 /// Written so that equal positions and equal velocities cancel before anything rounds.
 struct LinearPart {
-  LinearPart(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns, Nanoseconds end_ns);
+  LinearPart(const RigidMotion& a, const RigidMotion& b, Nanoseconds start_ns, Nanoseconds end_ns)
+      : duration(secondsBetween(start_ns, end_ns)),
+        offset_a(a.fixed ? 0.0 : secondsBetween(a.start_ns, start_ns)),
+        offset_b(b.fixed ? 0.0 : secondsBetween(b.start_ns, start_ns)),
+        shift(a.fixed || b.fixed ? offset_b - offset_a : secondsBetween(b.start_ns, a.start_ns)),
+        reach(std::max(std::abs(offset_a), std::abs(offset_b)) + duration),
+        rate(b.c[1] - a.c[1]) {
+    // B's polynomial about its own offset minus A's about its own, written so that equal velocities cancel
+    // exactly: c_b o_b - c_a o_a = (c_b - c_a) o_b + c_a (o_b - o_a), with o_b - o_a from integers.
+    d = (b.c[0] - a.c[0]) + (rate * offset_b + a.c[1] * shift);
+  }
 
   double duration;            ///< [s]
   double offset_a, offset_b;  ///< [s] from each segment's start to the piece's
+  double shift;               ///< [s] offset_b - offset_a
   double reach;               ///< [s] the largest power of time in any term
-  Vec3 d, rate;               ///< [m], [m/s]
-  double magnitude;  ///< [m] sum of the sizes of all terms that were rounded, at any time of the piece
+  Vec3 rate, d;               ///< [m/s], [m]
+
+  /// [m] sum of the sizes of all terms that were rounded, at any time of the piece
+  double magnitude(const RigidMotion& a, const RigidMotion& b) const {
+    return (b.c[0] - a.c[0]).norm() + 2.0 * rate.norm() * reach + a.c[1].norm() * std::abs(shift);
+  }
 };
 
 /// Of a straight line's own velocity (difference, duration, quotient), in units of 2^-53 |c_1| reach.
