@@ -88,7 +88,7 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       for (const Vec3& p : points) primitive_vertices_.push_back(place(p));
       representatives_.push_back(primitive_vertices_.back());
       primitives_.push_back(e);
-      frames_.push_back({origin.position, origin.orientation.toRotationMatrix(), Vec3::Zero()});
+      frames_.push_back({origin.position, origin.orientation.toRotationMatrix(), Vec3::Zero(), false});
     };
     const Shape& shape = shapes_[s].shape;
     if (std::holds_alternative<Point>(shape)) {
@@ -118,10 +118,10 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       first_vertex_of.push_back(-1);
       representatives_.push_back(e.centre);
       primitives_.push_back(e);
-      const Vec3 across = e.axis.unitOrthogonal();
+      const Vec3 across = e.axis == Vec3::UnitZ() ? Vec3(Vec3::UnitX()) : e.axis.unitOrthogonal();
       Mat3 axes = Mat3::Zero();
       axes << across, e.axis.cross(across), e.axis;
-      frames_.push_back({e.centre, axes, Vec3::Zero()});
+      frames_.push_back({e.centre, axes, Vec3::Zero(), false});
     } else if (const auto* convex = std::get_if<Convex>(&shape)) {
       addVertices(hullVertices(convex->mesh->vertices), 0.0);
     } else {
@@ -150,6 +150,7 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   triangle_count_ = static_cast<std::int32_t>(triangles_.size());
   for (std::size_t p = 0; p < primitives_.size(); ++p) {
     Element& e = primitives_[p];
+    frames_[p].aligned = frames_[p].axes == Mat3::Identity();
     if (first_vertex_of[p] >= 0) e.vertices = &primitive_vertices_[first_vertex_of[p]];
     if (!std::holds_alternative<Convex>(shapes_[e.shape].shape)) e.frame = &frames_[p];
   }

@@ -16,9 +16,10 @@ namespace collision_node::geometry {
 /// A core's own axes, for what is faster there. A box, a segment and a point are those of a box with half
 /// lengths `half`, which a segment has along z only; a cylinder has its axis along z and `half` unused.
 struct CoreFrame {
-  Vec3 centre;  ///< [m], object frame
-  Mat3 axes;    ///< columns, orthonormal to rounding
-  Vec3 half;    ///< [m]
+  Vec3 centre;   ///< [m], object frame
+  Mat3 axes;     ///< columns, orthonormal to rounding
+  Vec3 half;     ///< [m]
+  bool aligned;  ///< the axes are the object\'s own
 };
 
 /// A convex set: the hull of `count` vertices, or a solid cylinder, grown by `radius` in all directions.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/impact/sliding_features.h"
+
 namespace collision_node::impact {
 namespace {
 
@@ -80,7 +82,7 @@ SlidingPoints::SlidingPoints(const Element& a, const Element& b)
 
 void SlidingPoints::find(const Cores& cores) {
   const PosedCore &segment = curve_is_a_ ? cores.a : cores.b, &solid = curve_is_a_ ? cores.b : cores.a;
-  frame_ = *solid.rotation * solid_.frame.axes;
+  frame_ = solid_.frame.aligned ? *solid.rotation : Mat3(*solid.rotation * solid_.frame.axes);
   const Vec3* const ends = segment.element->vertices;
   x_ = frame_.transpose() * (segment.place(ends[0]) - solid.place(solid_.frame.centre));
   edge_.setZero();
@@ -102,11 +104,11 @@ bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
   const Element& e = *rim.element;
   const Mat3 own = *rim.rotation * e.frame->axes;
   const Vec3 out = own.transpose() * (curve_is_a_ ? direction : Vec3(-direction));
-  double cosine = out.x(), sine = out.y(), length = std::hypot(cosine, sine);
+  double cosine = out.x(), sine = out.y(), length = std::sqrt(cosine * cosine + sine * sine);
   // Near a side or an end of the cylinder another feature may hold the closest points.
   constexpr double kSharp = 1e-3;
   if (!(length > kSharp * std::abs(out.z()) && std::abs(out.z()) > kSharp * length)) return false;
-  frame_ = *solid.rotation * solid_.frame.axes;
+  frame_ = solid_.frame.aligned ? *solid.rotation : Mat3(*solid.rotation * solid_.frame.axes);
   const double end = std::copysign(e.half_length, out.z());
   const Vec3 centre = frame_.transpose() *
                       (rim.place(e.centre + end * e.frame->axes.col(2)) - solid.place(solid_.frame.centre));
@@ -123,6 +125,11 @@ bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
     edge_ = cosine * second - sine * first;
     const ClampingCore::Seen seen = solid_.see(x_, edge_);
     offset_ = seen.offset;
+    if (offset_.isZero(0.0)) {  // inside
+      distance_ = 0.0;
+      on_rim_ = e.centre + e.frame->axes * Vec3(e.rim_radius * cosine, e.rim_radius * sine, end);
+      return true;
+    }
     curving_ = -offset_.dot(arm);
     const double bend = seen.bend + curving_, slope = offset_.dot(edge_);
     if (!(bend > 0.0) || !(std::abs(slope) < kFar * bend)) return false;
@@ -135,7 +142,7 @@ bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
     const double turned = cosine - step * sine;
     sine += step * cosine;
     cosine = turned;
-    length = std::hypot(cosine, sine);
+    length = std::sqrt(cosine * cosine + sine * sine);
   }
   return false;
 }
@@ -145,8 +152,8 @@ Closest SlidingPoints::closest(const Cores& cores) const {
   const PosedCore& placed = curve_is_a_ ? cores.b : cores.a;
   // The solid's point, in its object's frame. Corners are taken as they are stored: facts look for them.
   Vec3 nearest = x_ - offset_;
-  const bool corner =
-      solid.vertices != nullptr && (offset_.array() != 0.0 || solid_.half.array() == 0.0).all();
+  const bool corner = solid_.shrunk == 0.0 && solid.vertices != nullptr &&
+                      (offset_.array() != 0.0 || solid_.half.array() == 0.0).all();
   if (corner) {
     const int bits = (nearest.x() > 0.0 ? 1 : 0) | (nearest.y() > 0.0 ? 2 : 0) | (nearest.z() > 0.0 ? 4 : 0);
     nearest = solid.vertices[solid.count == 8 ? bits : solid.count == 2 ? bits >> 2 : 0];
@@ -156,7 +163,7 @@ Closest SlidingPoints::closest(const Cores& cores) const {
   Closest c;
   const bool on_rim = curve.vertices == nullptr, at_end = !slides_ || on_rim;
   c.count = at_end ? 1 : 2;
-  c.v = frame_ * (curve_is_a_ ? Vec3(-offset_) : offset_);
+  c.v = outward();
   const Vec3 on_solid = placed.place(nearest);
   const PosedCore& other = curve_is_a_ ? cores.a : cores.b;
   for (int i = 0; i < c.count; ++i) {
@@ -207,6 +214,18 @@ Axis SlidingPoints::axis(const RelativeMotion& m, const Instant& now) const {
   axis.rate = omega.cross(axis.direction) + outward * (frame_ * rate);
   axis.valid = true;
   return axis;
+}
+
+int edgeOf(const Element& e, const Closest& closest, bool of_a, Vec3 (&ends)[2]) {
+  int count = 0;
+  for (int i = 0; i < closest.count; ++i) {
+    const Vec3& x = of_a ? closest.point[i].local_a : closest.point[i].local_b;
+    if (std::find(ends, ends + count, x) != ends + count) continue;
+    // Points found on a rim are opposite to any point.
+    if (count == 2 || std::find(e.vertices, e.vertices + e.count, x) == e.vertices + e.count) return 0;
+    ends[count++] = x;
+  }
+  return count;
 }
 
 Closest closestOnEdges(const Cores& cores, const Closest& hint) {

@@ -18,7 +18,13 @@ struct ClampingCore {
 
   const geometry::CoreFrame& frame;
   bool round;
-  Vec3 half;  ///< half lengths; of a cylinder its radius, twice, and its half length
+  Vec3 half;            ///< half lengths; of a cylinder its radius, twice, and its half length
+  double shrunk = 0.0;  ///< [m] what they were made smaller by
+
+  void shrink(double by) {
+    shrunk = std::min(by, half.minCoeff());
+    half.array() -= shrunk;
+  }
 
   struct Seen {
     Vec3 offset;  ///< from the nearest point
@@ -43,14 +49,24 @@ class SlidingPoints {
   /// Finds the closest points; what follows is about those found last.
   void find(const Cores& cores);
 
-  /// Of a rim of one cylinder and another core that has a frame.
-  static SlidingPoints ofRim(const Element& a, const Element& b, bool rim_is_a) { return {a, b, rim_is_a}; }
+  /// Of a segment or a cylinder's rim and another core, which has a frame and is made smaller by `shrunk` [m]
+  /// all around, or by as much as there is.
+  static SlidingPoints ofCurve(const Element& a, const Element& b, bool curve_is_a, double shrunk = 0.0) {
+    SlidingPoints points(a, b, curve_is_a);
+    if (shrunk > 0.0) points.solid_.shrink(shrunk);
+    return points;
+  }
 
   /// Of the rim on the side of `direction`, from A to B, those near to where it leaves the cylinder. False
   /// where there are none.
   bool findOnRim(const Cores& cores, const Vec3& direction);
 
   double distance() const { return distance_; }
+  bool curveIsA() const { return curve_is_a_; }
+  double shrunk() const { return solid_.shrunk; }
+  bool insideEdge() const { return slides_; }  ///< no end of the segment
+  /// From A to B through the points.
+  Vec3 outward() const { return frame_ * (curve_is_a_ ? Vec3(-offset_) : offset_); }
   Closest closest(const Cores& cores) const;
   /// The axis through them, with the rate at which they slide over both cores; invalid when the cores
   /// overlap.
@@ -61,7 +77,7 @@ class SlidingPoints {
 
   const Element &a_, &b_;
   const bool curve_is_a_;
-  const ClampingCore solid_;
+  ClampingCore solid_;
   Mat3 frame_ = Mat3::Identity();  ///< world <- the solid's own axes, in which the next three are
   Vec3 edge_ = Vec3::Zero();       ///< the whole segment, or the rim's tangent for a radian
   Vec3 x_ = Vec3::Zero();          ///< the curve's closest point, from the solid's centre

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "collision_node/impact/closest_points.h"
+#include "collision_node/impact/sliding_features.h"
 
 namespace collision_node::impact {
 namespace {
@@ -211,6 +211,52 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
   for (double depth = 2.0 * piece.point_error; depth < 5e3 * piece.point_error; depth *= 8.0) {
     if (!buildWrap(cores, depth, witness.wrap)) return false;
     if (holds()) return true;
+  }
+  return false;
+}
+
+namespace {
+
+/// A side's points are those of its axis: instead the cylinder's point that is nearest to the other core's.
+void dropOnCylinder(const Cores& cores, bool cylinder_is_a, Closest& closest) {
+  const PosedCore &cylinder = cylinder_is_a ? cores.a : cores.b, &other = cylinder_is_a ? cores.b : cores.a;
+  const ClampingCore solid(*cylinder.element);
+  SupportPair& p = closest.point[0];
+  const Vec3 seen =
+      cylinder.rotation->transpose() * (other.place(cylinder_is_a ? p.local_b : p.local_a) - cylinder.origin);
+  const Vec3 x = solid.frame.axes.transpose() * (seen - solid.frame.centre);
+  const Vec3 offset = solid.frame.axes * solid.see(x, Vec3::Zero()).offset;
+  (cylinder_is_a ? p.local_a : p.local_b) = seen - offset;
+  p.w = *cylinder.rotation * (cylinder_is_a ? offset : Vec3(-offset));
+  closest.count = 1;
+  closest.weight[0] = 1.0;
+  closest.v = p.w;
+}
+
+}  // namespace
+
+bool touchesSliding(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+                    const Closest& before, const Vec3* direction, ContactWitness& witness) {
+  if (a.frame == nullptr || b.frame == nullptr || a.radius + b.radius + piece.contact_distance > 0.0)
+    return false;
+  const double rounding = 16.0 * kUnit * (coreReach(a) + coreReach(b));
+  // How deep must the feature be in the other core? Where both are as sharp as a box's edges, less by
+  // (sqrt(2) - 1) of what is taken off: the first is deep enough for most contacts, the last for the
+  // shallowest.
+  for (const double share : {64.0, 8.0}) {
+    const double depth = share * piece.point_error;
+    const auto holds = [&](const SlidingPoints& points, const Cores& cores, double radius) {
+      const double limit = points.shrunk() - 2.0 * piece.point_error - rounding;
+      if (!(points.distance() - radius <= limit)) return false;
+      Closest closest = points.closest(cores);
+      if (radius > 0.0) dropOnCylinder(Cores(now, a, b), points.curveIsA(), closest);
+      if (!closeThrough(now, now, closest, closest, limit)) return false;
+      witness.rounded = witness.momentary = true;
+      witness.closest = closest;
+      witness.point = sharedPoint(now, closest, 0.5);
+      return true;
+    };
+    if (slideOnFeatures(now, a, b, before, direction, depth, holds)) return true;
   }
   return false;
 }

@@ -17,7 +17,7 @@ struct SeenPoint {
 /// Memory of the views; only capacity survives a call.
 struct ViewBuffers {
   std::vector<SeenPoint> a, b;
-  Polygon points, hull_a, hull_b, both, scratch;
+  Polygon points, points_b, hull_a, hull_b, both, scratch;
 };
 
 class ContactView {
@@ -45,14 +45,23 @@ class ContactView {
   }
 
  private:
-  Vec2 across(const Vec3& x) const { return {e1_.dot(x), e2_.dot(x)}; }
-  void see(const PosedCore& core, const Vec3& up, double* top, std::vector<SeenPoint>& points) const;
-  void cap(const PosedCore& core, const Vec3& up, const std::vector<SeenPoint>& points, double depth,
-           double tilt, Polygon& cap) const;
+  /// A core as it is seen: heights along n or -n, and places across it.
+  struct Sight {
+    Sight(const PosedCore& core, const Vec3& up, const Vec3& e1, const Vec3& e2);
+    Vec3 see(const Vec3& local) const { return turn * local + origin; }
 
-  const Cores& cores_;
+    const Element& element;
+    Vec3 up;      ///< in the object's frame
+    Mat3 turn;    ///< rows: up, e1, e2 in the object's frame
+    Vec3 origin;  ///< of the object's frame, seen
+  };
+  static double see(const Sight& sight, std::vector<SeenPoint>& points);
+  static void cap(const Sight& sight, const std::vector<SeenPoint>& points, double depth, double tilt,
+                  Polygon& cap);
+
   ViewBuffers& buffers_;
   Vec3 n_, e1_, e2_;
+  Sight a_, b_;
   double top_a_ = 0.0, low_b_ = 0.0;
 };
 

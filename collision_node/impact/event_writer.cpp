@@ -111,7 +111,7 @@ void EventWriter::fill(PairEvent& event, const ContactFacts& facts, double refer
   event.toi_upper =
       shift == 0.0 ? upper : std::nextafter(shift + upper, std::numeric_limits<double>::infinity());
   event.toi_upper = std::max(event.toi_upper, event.toi_lower);
-  event.position = pair_.motion.poseA(reference).position + facts.position;
+  event.position = pair_.motion.originOfA(reference) + facts.position;
   event.position_error = facts.position_error;
   event.normal = facts.normal;
   event.normal_error = facts.normal_error;

@@ -14,104 +14,171 @@ constexpr double kUp = 1.0 + 64.0 * kUnit;
 }  // namespace
 
 /// A core that has axes of its own is placed as exactly as its corners are: within the placing error.
-MovingSupport::MovingSupport(const Element& e, const Vec3& u0, const Vec3& u1) {
+MovingSupport::MovingSupport(const Element& e, const Vec3& u0, const Vec3& u1, const Vec3& u2) {
   if (e.frame == nullptr) {
     hull_ = &e;
     u0_ = u0;
     u1_ = u1;
+    u2_ = u2;
     return;
   }
-  constant_ = u0.dot(e.frame->centre);
-  linear_ = u1.dot(e.frame->centre);
-  round_ = e.vertices == nullptr;
-  half_ = round_ ? Vec3(e.rim_radius, 0.0, e.half_length) : e.frame->half;
-  if (e.count == 1) return;  // a point
-  u0_ = e.frame->axes.transpose() * u0;
-  u1_ = e.frame->axes.transpose() * u1;
+  const geometry::CoreFrame& frame = *e.frame;
+  centre_[0] = u0.dot(frame.centre);
+  centre_[1] = u1.dot(frame.centre);
+  centre_[2] = u2.dot(frame.centre);
+  kind_ = e.vertices == nullptr ? kCylinder : e.count == 1 ? kPoint : e.count == 2 ? kSegment : kBox;
+  if (kind_ == kPoint) return;
+  half_ = kind_ == kCylinder ? Vec3(e.rim_radius, 0.0, e.half_length) : frame.half;
+  const bool turned = !frame.aligned;
+  u0_ = turned ? Vec3(frame.axes.transpose() * u0) : u0;
+  u1_ = turned ? Vec3(frame.axes.transpose() * u1) : u1;
+  u2_ = turned ? Vec3(frame.axes.transpose() * u2) : u2;
 }
 
-MovingSupport::Value MovingSupport::at(double s) const {
-  const Vec3 u = u0_ + s * u1_;
+double MovingSupport::at(const Vec3& u) const {
   if (hull_ != nullptr) {
-    int best = 0;
     double value = u.dot(hull_->vertices[0]);
-    for (int i = 1; i < hull_->count; ++i) {
-      const double v = u.dot(hull_->vertices[i]);
-      if (v > value) {
-        value = v;
-        best = i;
-      }
-    }
-    return {value, u1_.dot(hull_->vertices[best])};
+    for (int i = 1; i < hull_->count; ++i) value = std::max(value, u.dot(hull_->vertices[i]));
+    return value;
   }
-  Value v{constant_ + s * linear_ + half_[2] * std::abs(u[2]),
-          linear_ + std::copysign(half_[2], u[2]) * u1_[2]};
-  if (round_) {
-    const double across = std::sqrt(u[0] * u[0] + u[1] * u[1]);
-    v.value += half_[0] * across;
-    if (across > 0.0) v.rate += half_[0] * (u[0] * u1_[0] + u[1] * u1_[1]) / across;
-  } else {
-    v.value += half_[0] * std::abs(u[0]) + half_[1] * std::abs(u[1]);
-    v.rate += std::copysign(half_[0], u[0]) * u1_[0] + std::copysign(half_[1], u[1]) * u1_[1];
+  switch (kind_) {
+    case kPoint:
+      return 0.0;
+    case kSegment:
+      return half_[2] * std::abs(u[2]);
+    case kBox:
+      return half_[0] * std::abs(u[0]) + half_[1] * std::abs(u[1]) + half_[2] * std::abs(u[2]);
+    default:
+      return half_[0] * std::sqrt(u[0] * u[0] + u[1] * u[1]) + half_[2] * std::abs(u[2]);
   }
-  return v;
 }
 
-double MovingSupport::bend() const {
-  const double across2 = u0_[0] * u0_[0] + u0_[1] * u0_[1];
-  if (!round_ || !(across2 > 0.0)) return 0.0;
-  const double turn = u0_[0] * u1_[1] - u0_[1] * u1_[0];
-  return 0.5 * half_[0] * turn * turn / (across2 * std::sqrt(across2));
+MovingSupport::Trend MovingSupport::trend() const {
+  if (hull_ != nullptr) {
+    const Vec3& x =
+        *std::max_element(hull_->vertices, hull_->vertices + hull_->count,
+                          [this](const Vec3& p, const Vec3& q) { return u0_.dot(p) < u0_.dot(q); });
+    return {u1_.dot(x), u2_.dot(x)};
+  }
+  if (kind_ == kPoint) return {0.0, 0.0};
+  const double end = std::copysign(half_[2], u0_[2]);
+  Trend t{end * u1_[2], end * u2_[2]};
+  if (kind_ == kBox) {
+    const double x = std::copysign(half_[0], u0_[0]), y = std::copysign(half_[1], u0_[1]);
+    t.rate += x * u1_[0] + y * u1_[1];
+    t.bend += x * u2_[0] + y * u2_[1];
+  } else if (kind_ == kCylinder) {
+    const double across2 = u0_[0] * u0_[0] + u0_[1] * u0_[1];
+    if (!(across2 > 0.0)) return t;
+    const double turn = u0_[0] * u1_[1] - u0_[1] * u1_[0], per = half_[0] / std::sqrt(across2);
+    t.rate += per * (u0_[0] * u1_[0] + u0_[1] * u1_[1]);
+    t.bend += per * (u0_[0] * u2_[0] + u0_[1] * u2_[1] + 0.5 * turn * turn / across2);
+  }
+  return t;
+}
+
+GapModel::SeenAxis::SeenAxis(const Axis& axis, const Mat3& rotation, const Vec3& omega, double spin,
+                             double reach)
+    : first(Vec3::Zero()), second(first), third(first), cubic(0.0), quartic(0.0) {
+  if (reach == 0.0) return;  // the origin
+  const Vec3 turning = omega.cross(axis.direction);
+  first = rotation.transpose() * axis.direction;
+  second = rotation.transpose() * (axis.rate - turning);
+  third = rotation.transpose() * omega.cross(0.5 * turning - axis.rate);
+  const double share = spin * spin * reach * (kUp / 6.0);
+  cubic = share * (3.0 * axis.rate - turning).norm();
+  quartic = share * spin;
 }
 
 GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
                    const Axis& axis, const CoreReaches& reaches)
+    : GapModel(piece, now, a, b, axis,
+               SeenAxis(axis, now.ra, piece.motion.omegaA(), piece.motion.spinA(), reaches.a),
+               SeenAxis(axis, now.rb, piece.motion.omegaB(), piece.motion.spinB(), reaches.b)) {}
+
+GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+                   const Axis& axis, const SeenAxis& from_a, const SeenAxis& from_b)
     : direction_(axis.direction),
       rate_(axis.rate),
-      // A: max over a of [n + s (rate + n x omega_a)] . (R_a a); B likewise, its minimum written as a
-      // maximum.
-      a_(a, now.ra.transpose() * direction_,
-         now.ra.transpose() * (rate_ + direction_.cross(piece.motion.omegaA()))),
-      b_(b, -(now.rb.transpose() * direction_),
-         -(now.rb.transpose() * (rate_ + direction_.cross(piece.motion.omegaB())))) {
+      a_(a, from_a.first, from_a.second, from_a.third),
+      // The minimum over B, written as a maximum.
+      b_(b, -from_b.first, -from_b.second, -from_b.third) {
   const RelativeMotion& m = piece.motion;
-  const double reach_a = reaches.a * kUp, reach_b = reaches.b * kUp;
   length_ = direction_.norm() * kUp;
   rate_length_ = rate_.norm() * kUp;
-  constant_ = direction_.dot(now.d);
-  linear_ = rate_.dot(now.d) + direction_.dot(now.d_rate);
   grown_ = a.radius + b.radius + piece.contact_distance;
-  const double turning = rate_.cross(m.omegaA()).norm() * reach_a + rate_.cross(m.omegaB()).norm() * reach_b;
-  square_ = std::max(0.0, turning - rate_.dot(now.d_rate)) * kUp + 8.0 * kUnit * rate_length_ * piece.speed;
-  curve_ =
-      0.5 * kUp * (m.maxAcceleration() + m.spinA() * m.spinA() * reach_a + m.spinB() * m.spinB() * reach_b);
+  level_[0] = direction_.dot(now.d) - a_.centre_[0] - b_.centre_[0];
+  level_[1] = rate_.dot(now.d) + direction_.dot(now.d_rate) - a_.centre_[1] - b_.centre_[1];
+  level_[2] = rate_.dot(now.d_rate) - a_.centre_[2] - b_.centre_[2];
+  cubic_ = from_a.cubic + from_b.cubic;
+  quartic_ = (from_a.quartic + from_b.quartic) * rate_length_;
+  if (m.maxAcceleration() > 0.0) {
+    const Vec3 acceleration = m.acceleration(now.t);
+    level_[2] += 0.5 * direction_.dot(acceleration);
+    cubic_ += (0.5 * rate_length_ * acceleration.norm() + length_ * m.jerk() / 6.0) * kUp;
+    quartic_ += rate_length_ * m.jerk() * (kUp / 6.0);
+  }
   point_error_ = piece.point_error;
   rate_error_ = piece.rate_error;
+  const double spin2 = m.spinA() * m.spinA() + m.spinB() * m.spinB();
+  bend_error_ = (0.5 * spin2 * length_ + (m.spinA() + m.spinB()) * rate_length_) * point_error_;
+  first_ = level_[0] - a_.first() - b_.first() - length_ * (grown_ + point_error_);
 }
 
-double GapModel::bendNow() const {
-  const double along = direction_.dot(rate_) / length_;
-  const double growing = grown_ * (rate_length_ * rate_length_ - along * along) / length_;
-  return leastBend() + a_.bend() + b_.bend() + 0.5 * growing;
-}
-
-GapModel::Value GapModel::at(double s) const {
-  const MovingSupport::Value a = a_.at(s), b = b_.at(s);
-  const double axis_bound = length_ + s * rate_length_;
-  double grown = 0.0, grown_rate = 0.0;
+GapModel::Bounds GapModel::until(double end) const {
+  const double reach = length_ + end * rate_length_;
+  const double half = reach * point_error_ + 0.5 * end * reach * rate_error_;
+  double grown_middle = 0.0, grown_last = 0.0;
   if (grown_ > 0.0) {
-    const Vec3 n = direction_ + s * rate_;
-    const double length = n.norm();
-    grown = grown_ * length;
-    grown_rate = length > 0.0 ? grown_ * n.dot(rate_) / length : 0.0;
+    grown_middle = grown_ * (direction_ + 0.5 * end * rate_).norm();
+    grown_last = grown_ * (direction_ + end * rate_).norm();
   }
-  const double bend = square_ + curve_ * axis_bound;
-  const double budget = axis_bound * (point_error_ + s * rate_error_);
-  Value v;
-  v.gap = (constant_ + s * linear_) - a.value - b.value - grown - s * s * bend - budget;
-  v.slope = linear_ - a.rate - b.rate - grown_rate - 2.0 * s * bend - s * s * curve_ * rate_length_ -
-            rate_length_ * (point_error_ + s * rate_error_) - axis_bound * rate_error_;
-  return v;
+  Bounds bounds;
+  bounds.first = first_;
+  bounds.middle = (level_[0] + 0.5 * end * level_[1]) - a_.middle(end) - b_.middle(end) - grown_middle - half;
+  bounds.last = (level_[0] + end * (level_[1] + end * level_[2])) - a_.last(end) - b_.last(end) - grown_last -
+                end * end * (end * (cubic_ + end * quartic_) + bend_error_) -
+                reach * (point_error_ + end * rate_error_);
+  return bounds;
+}
+
+GapModel::Trend GapModel::trend() const {
+  const MovingSupport::Trend a = a_.trend(), b = b_.trend();
+  const double along = direction_.dot(rate_) / length_;
+  Trend t;
+  t.first = first_;
+  t.slope =
+      level_[1] - a.rate - b.rate - grown_ * along - rate_length_ * point_error_ - length_ * rate_error_;
+  t.bend = level_[2] - a.bend - b.bend -
+           0.5 * grown_ * (rate_length_ * rate_length_ - along * along) / length_ - bend_error_ -
+           rate_length_ * rate_error_;
+  t.cubic = cubic_;
+  t.quartic = quartic_;
+  return t;
+}
+
+double GapModel::Trend::root(double span) const {
+  double s = span;
+  const double discriminant = slope * slope - 4.0 * bend * first;
+  if (discriminant >= 0.0) {
+    const double root = slope < 0.0 ? 2.0 * first / (std::sqrt(discriminant) - slope)
+                                    : (slope + std::sqrt(discriminant)) / (-2.0 * bend);
+    if (root > 0.0 && root < s) s = root;
+  }
+  constexpr int kMost = 24;
+  constexpr double kClose = 1e-3;  // the next step squares it
+  for (int i = 0; i < kMost; ++i) {
+    const double value = at(s), rate = slopeAt(s);
+    if (!(value < 0.0)) return s;
+    const double next = rate < 0.0 ? s - value / rate : 0.0;
+    if (!(next > 0.0)) {
+      s *= 0.5;
+      continue;
+    }
+    if (s - next < kClose * s) return next;
+    s = next;
+  }
+  return s;
 }
 
 Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, bool rounded) {
@@ -304,74 +371,33 @@ Axes featureAxes(const PairPiece& piece, const Instant& now, const Element& a, c
   return axes.all();
 }
 
-double apartFor(const GapModel& model, double span, double* gap_now) {
-  const GapModel::Value start = model.at(0.0);
-  *gap_now = start.gap;
-  if (!(start.gap > 0.0) || !(span > 0.0)) return 0.0;
-  double low = 0.0, low_gap = start.gap;
-  // Where the parabola of the start's value, slope and bend comes to zero, if that is before the end.
-  const auto rootWith = [&](double bend) {
-    const double discriminant = std::sqrt(start.slope * start.slope + 4.0 * bend * start.gap);
-    return start.slope > 0.0 ? (start.slope + discriminant) / (2.0 * bend)
-                             : 2.0 * start.gap / (discriminant - start.slope);
-  };
-  // The one with the least bend lies above the concave model: its root bounds ours from above.
-  double high = std::min(span, rootWith(model.leastBend()));
-  // The one with the present bend is right to second order: a little before its root most steps end.
-  const double near = rootWith(model.bendNow()), less = 1e-9 + 0.2 * std::abs(1.0 - near / high);
-  if (near < span && less < 0.02) {
-    const double trial = near * (1.0 - less);
-    if (model.at(trial).gap > 0.0) return trial;
-  }
-  GapModel::Value end = model.at(high);
-  if (end.gap > 0.0) return high;
-  // A pair that recedes: the model rises before it falls, so that a chord from a small gap shows nothing of
-  // the time it will last. The parabola with the low end's value and slope and the high end's value does; it
-  // only proposes.
-  double low_slope = start.slope;
-  for (int i = 0; i < 3 && low_slope > 0.0; ++i) {
-    const double width = high - low;
-    const double bend = (low_gap + low_slope * width - end.gap) / (width * width);
-    const double root = (low_slope + std::sqrt(low_slope * low_slope + 4.0 * bend * low_gap)) / (2.0 * bend);
-    const double inside = low + 0.999 * root;
-    if (!(inside > low && inside < high)) break;
-    const GapModel::Value at = model.at(inside);
-    if (at.gap > 0.0) {
-      low = inside;
-      low_gap = at.gap;
-      low_slope = at.slope;
+Apart apartFor(const GapModel& model, double span) {
+  if (!(model.first() > 0.0) || !(span > 0.0)) return {};
+  GapModel::Trend trend = model.trend();
+  constexpr int kRefits = 3, kBold = 6, kMost = 14;
+  constexpr double kInside = 1e-9, kUnsure = 0.02;
+  double end = span;
+  for (int i = 0; i < kMost; ++i) {
+    if (i < kRefits) {
+      const double root = trend.root(end);
+      // What is not in the trend goes with the third power of time.
+      const double unsure = root * root * root * (trend.cubic + root * trend.quartic) / trend.first;
+      if (root < end) end = root * (1.0 - kInside - kUnsure * std::min(1.0, unsure));
+    }
+    const GapModel::Bounds bounds = model.until(end);
+    if (bounds.positive()) return {end, bounds.last, -trend.slopeAt(end)};
+    // Features changed, or nearly all of the time was asked for. The chord to the end is about where the
+    // bound comes to zero, unless the pair recedes at first.
+    const double chord = bounds.last > 0.0 ? 0.5 : 0.9 * bounds.first / (bounds.first - bounds.last);
+    const double missed = bounds.last - trend.at(end);
+    if (i + 1 < kRefits && missed < 0.0 && !(bounds.last > 0.0)) {
+      trend.bend += missed / (end * end);
+      end *= 1.0 - 1e-6;
     } else {
-      high = inside;
-      end = at;
+      end *= i < kBold ? std::max(0.25, chord) : chord;
     }
   }
-  // Tangents from the right close in from above, chords from below; a chord's root is itself proved by
-  // evaluation.
-  for (int i = 0; i < 6; ++i) {
-    const double chord = low + (high - low) * (low_gap / (low_gap - end.gap));
-    if (chord > low && chord < high) {
-      const GapModel::Value at = model.at(chord);
-      if (at.gap > 0.0) {
-        low = chord;
-        low_gap = at.gap;
-      }
-    }
-    if (low > 0.9 * high) break;
-    if (end.slope < 0.0) {
-      const double tangent = high - end.gap / end.slope;
-      if (tangent > low && tangent < high) {
-        high = tangent;
-        end = model.at(high);
-        if (end.gap > 0.0) return high;
-      }
-    }
-  }
-  // A nearly linear model: every root found lies on the zero itself, where the last bit decides. Step inside.
-  for (const double inside : {1.0 - 1e-9, 1.0 - 1e-6, 1.0 - 1e-3, 0.5}) {
-    if (low > 0.5 * high) break;
-    if (model.at(high * inside).gap > 0.0) return high * inside;
-  }
-  return low;
+  return {};
 }
 
 }  // namespace collision_node::impact

@@ -1,9 +1,9 @@
 /// The one proof of clearance: two convex elements stay apart along a moving axis for a stated time.
 ///
-/// Guarantee: apartFor() returns s >= 0 such that the elements are farther than `contact_distance` apart, in
-/// exact arithmetic of the loaded geometry and the motion model, at every time in [t, t + s]; s == 0 proves
-/// nothing. The axis may be any; a poor one costs time, never a miss. Derivation: docs/solver.md, "The gap
-/// model".
+/// Guarantee: apartFor() returns a time s >= 0 such that the elements are farther than `contact_distance`
+/// apart, in exact arithmetic of the loaded geometry and the motion model, at every time in [t, t + s]; s ==
+/// 0 proves nothing. The axis may be any; a poor one costs time, never a miss. Derivation: docs/solver.md,
+/// "The gap model".
 #pragma once
 
 #include <boost/container/static_vector.hpp>
@@ -33,27 +33,35 @@ struct CoreReaches {
   double a, b;
 };
 
-/// max over a core of u(s) . x, u = u0 + s u1 in its object's frame; convex in s.
+/// max over a core of u(s) . x, u(s) = u0 + s u1 + s^2 u2 in its object's frame. It is convex and linear in
+/// the length of u.
 class MovingSupport {
  public:
-  MovingSupport(const Element& e, const Vec3& u0, const Vec3& u1);
+  MovingSupport(const Element& e, const Vec3& u0, const Vec3& u1, const Vec3& u2);
 
-  struct Value {
-    double value, rate;  ///< and its rate at the extreme point
+  double at(const Vec3& u) const;
+  double first() const { return at(u0_); }
+  /// At the control points of u(s) over [0, s].
+  double middle(double s) const { return at(u0_ + 0.5 * s * u1_); }
+  double last(double s) const { return at(u0_ + s * (u1_ + s * u2_)); }
+
+  /// Its rate and half its second derivative at s = 0, as long as its features stay.
+  struct Trend {
+    double rate, bend;
   };
-  Value at(double s) const;
-  /// Half its second derivative at s = 0, as long as its features stay.
-  double bend() const;
+  Trend trend() const;
 
  private:
   const Element* hull_ = nullptr;  ///< a core without axes of its own; else:
-  bool round_ = false;
-  double constant_ = 0.0, linear_ = 0.0;  ///< of its centre
-  Vec3 half_;
-  Vec3 u0_ = Vec3::Zero(), u1_ = Vec3::Zero();  ///< in its own axes, or in the object's frame
+  enum { kPoint, kSegment, kBox, kCylinder } kind_ = kPoint;
+  Vec3 half_;                           ///< of a cylinder its radius, 0 and half its length
+  Vec3 u0_, u1_, u2_;                   ///< in its own axes, or in the object's frame
+  double centre_[3] = {0.0, 0.0, 0.0};  ///< u0, u1, u2 . its centre
+  friend class GapModel;
 };
 
-/// Lower bound of the gap along n(s): concave in s, so positive at s (and at 0) means positive between.
+/// Lower bounds of the gap along n(s) over [0, end], for any end: at s = x end, 0 <= x <= 1, the gap is at
+/// least (1 - x)^2 first + 2 x (1 - x) middle + x^2 last.
 class GapModel {
  public:
   GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis)
@@ -61,25 +69,51 @@ class GapModel {
   GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis,
            const CoreReaches& reaches);
 
-  struct Value {
-    double gap;    ///< [m], rounding budget already subtracted
-    double slope;  ///< a supergradient [m/s]
-  };
-  Value at(double s) const;
+  /// The gap now [m], rounding budget already subtracted, like that of all others.
+  double first() const { return first_; }
 
-  /// The gap is at most at(0).gap + s at(0).slope - s^2 leastBend() [m/s^2], to rounding.
-  double leastBend() const { return square_ + curve_ * length_; }
-  /// The same with what bends right now, to second order.
-  double bendNow() const;
+  struct Bounds {
+    double first, middle, last;  ///< [m]
+    /// Is the quadratic positive throughout?
+    bool positive() const {
+      return first > 0.0 && last > 0.0 &&
+             (middle >= 0.0 || middle * middle < first * last * (1.0 - 16.0 * kUnit));
+    }
+  };
+  Bounds until(double end) const;
+
+  /// About how `last` changes with the end: first + s slope + s^2 bend - s^3 (cubic + s quartic).
+  struct Trend {
+    double first, slope, bend, cubic, quartic;
+    /// Its first root in (0, span]; span where there is none.
+    double root(double span) const;
+    double at(double s) const { return first + s * (slope + s * (bend - s * (cubic + s * quartic))); }
+    double slopeAt(double s) const {
+      return slope + s * (2.0 * bend - s * (3.0 * cubic + s * 4.0 * quartic));
+    }
+  };
+  Trend trend() const;
 
  private:
+  /// The axis as a rotating body sees it, first + s second + s^2 third to second order, and what is left of
+  /// it: at most s^3 (cubic + s quartic |rate|) for any of its core's points.
+  struct SeenAxis {
+    SeenAxis(const Axis& axis, const Mat3& rotation, const Vec3& omega, double spin, double reach);
+
+    Vec3 first, second, third;
+    double cubic, quartic;
+  };
+  GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis,
+           const SeenAxis& from_a, const SeenAxis& from_b);
+
   Vec3 direction_, rate_;
   MovingSupport a_, b_;  ///< of B negated
   double length_, rate_length_;
-  double constant_, linear_;
-  double grown_;           ///< both radii and the contact distance
-  double square_, curve_;  ///< subtracted: square s^2 + curve s^2 |n(s)|
-  double point_error_, rate_error_;
+  double level_[3];         ///< of the origins' distance along n(s): powers of s
+  double grown_;            ///< both radii and the contact distance
+  double cubic_, quartic_;  ///< subtracted: s^3 cubic + s^4 quartic
+  double point_error_, rate_error_, bend_error_;
+  double first_;
 };
 
 /// The axis through the closest points, turning with the features that hold them; invalid when the cores
@@ -100,7 +134,12 @@ Axes featureAxes(const PairPiece& piece, const Instant& now, const Element& a, c
 Axes rimAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
              const Closest& closest);
 
-/// See the guarantee above; at most `span`. `gap_now` receives the proved gap at s = 0 (<= 0: none).
-double apartFor(const GapModel& model, double span, double* gap_now);
+/// A time proved as the guarantee above says, at most `span`; and what the model tells of its end.
+struct Apart {
+  double time = 0.0;     ///< [s]
+  double gap = 0.0;      ///< along the axis [m]
+  double closing = 0.0;  ///< about how fast that shrinks [m/s]
+};
+Apart apartFor(const GapModel& model, double span);
 
 }  // namespace collision_node::impact

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "collision_node/impact/sliding_features.h"
 #include "collision_node/impact/triangle_pair.h"
 
 namespace collision_node::impact {
@@ -19,8 +20,9 @@ PairSteps::PairSteps(const PairPiece& piece, const Element& a, const Element& b)
 double PairSteps::advance(double from, double to, double stop, std::uint64_t& tests) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr int kMaxSteps = 4000;
+  constexpr double kHardly = 0.25;
   const bool triangles = a_.triangle >= 0 && b_.triangle >= 0;
-  double t = from;
+  double t = from, before = 0.0;  // the last step
   for (int step = 0; step < kMaxSteps; ++step) {
     if (step > 0) ++tests;
     const Instant now = piece_.at(t);
@@ -28,8 +30,8 @@ double PairSteps::advance(double from, double to, double stop, std::uint64_t& te
     double s = triangles ? TrianglePair(piece_, now, a_, b_).apartFor(to - t, &axis) : 0.0;
     if (s < to - t && !(s > stop)) {
       // The gap along the axis is what counts, and a few hundredths less of it are as good.
-      constexpr double kLoss = 3e-2;
-      const Axis through = closestAt(now, kLoss);
+      constexpr double kLoss = 3e-2, kFirstLoss = 0.2;
+      const Axis through = closestAt(now, step == 0 ? kFirstLoss : kLoss);
       const double by_points = longest(now, through, to - t, &other);
       if (by_points > s) {
         s = by_points;
@@ -43,6 +45,13 @@ double PairSteps::advance(double from, double to, double stop, std::uint64_t& te
     t = next;
     parting_ = {{axis.direction + s * axis.rate, axis.rate, true}, t};
     if (s < stop) return t;
+    // What the axis does not show: now, and what the turning adds. The gap at which a step begins is what the
+    // axis of the one before did not show, and that shrinks with the square of the step. Where hardly any
+    // will be left, no more need be looked for.
+    const double hidden = std::max(0.0, distance_ - radius_ - first_);
+    const double growing = step > 0 ? first_ * (s / before) * (s / before) : first_;
+    if (last_.time == s && last_.gap + hidden + growing < kHardly * stop * last_.closing) return t;
+    before = s;
   }
   return t;
 }
@@ -53,7 +62,14 @@ Axis PairSteps::closestAt(const Instant& now, double loss) {
     sliding_->find(Cores(now, a_, b_));
     distance_ = sliding_->distance();
     axis = sliding_->axis(piece_.motion, now);
-  } else if (!staysOnEdge(now, loss, &axis) && !staysOnRim(now, loss, &axis)) {
+    return axis;
+  }
+  const Vec3 parting = parting_.at(now.t);
+  const bool stays = slideOnFeatures(now, a_, b_, closest_, parting_.axis.valid ? &parting : nullptr, 0.0,
+                                     [&](const SlidingPoints& points, const Cores& part, double radius) {
+                                       return takeOver(points, part, radius, now, loss, &axis);
+                                     });
+  if (!stays) {
     closest_ = closestPoints(Cores(now, a_, b_), closest_, radius_, loss);
     distance_ = closest_.v.norm();
     axis = axisOf(piece_, now, closest_, radius_ > 0.0);
@@ -61,55 +77,20 @@ Axis PairSteps::closestAt(const Instant& now, double loss) {
   return axis;
 }
 
-/// Where a cylinder was closest to a vertex or an edge of the other, it most often still is: then the two
-/// slide along each other, and nothing need be searched. That no other point is closer shows in the gap.
-bool PairSteps::staysOnEdge(const Instant& now, double loss, Axis* axis) {
-  const bool cylinder_is_a = a_.vertices == nullptr;
-  if (cylinder_is_a == (b_.vertices == nullptr)) return false;
-  const Element& other = cylinder_is_a ? b_ : a_;
-  Vec3 ends[2];
-  int count = 0;
-  for (int i = 0; i < closest_.count; ++i) {
-    const Vec3& x = cylinder_is_a ? closest_.point[i].local_b : closest_.point[i].local_a;
-    // Points found on a rim are opposite to any point.
-    if (std::find(other.vertices, other.vertices + other.count, x) == other.vertices + other.count)
-      return false;
-    if (std::find(ends, ends + count, x) != ends + count) continue;
-    if (count == 2) return false;
-    ends[count++] = x;
-  }
-  if (count == 0) return false;
-  Element edge;
-  edge.vertices = ends;
-  edge.count = count;
-  const Element &a = cylinder_is_a ? a_ : edge, &b = cylinder_is_a ? edge : b_;
-  SlidingPoints points(a, b);
-  const Cores cores(now, a, b);
-  points.find(cores);
-  return takeOver(points, cores, now, loss, axis);
-}
-
-/// The same of a cylinder that was closest with its rim.
-bool PairSteps::staysOnRim(const Instant& now, double loss, Axis* axis) {
-  if (!parting_.axis.valid) return false;
-  const Cores cores(now, a_, b_);
-  for (const bool rim_is_a : {true, false}) {
-    const Element &rim = rim_is_a ? a_ : b_, &other = rim_is_a ? b_ : a_;
-    if (rim.vertices != nullptr || other.frame == nullptr) continue;
-    SlidingPoints points = SlidingPoints::ofRim(a_, b_, rim_is_a);
-    if (points.findOnRim(cores, parting_.at(now.t)) && takeOver(points, cores, now, loss, axis)) return true;
-  }
-  return false;
-}
-
-bool PairSteps::takeOver(const SlidingPoints& points, const Cores& part, const Instant& now, double loss,
-                         Axis* axis) {
+bool PairSteps::takeOver(const SlidingPoints& points, const Cores& part, double radius, const Instant& now,
+                         double loss, Axis* axis) {
   const Axis found = points.axis(piece_.motion, now);
-  if (!found.valid) return false;
-  const double gap = Cores(now, a_, b_).gapAlong(found.direction);
-  if (points.distance() - gap > loss * (points.distance() - radius_)) return false;
+  const double distance = points.distance() - radius;
+  if (!found.valid || !(distance > 0.0)) return false;
+  through_.emplace(piece_, now, a_, b_, found, reach_);
+  const double hidden = distance - radius_ - piece_.point_error - through_->first();
+  if (hidden > loss * (distance - radius_)) {
+    through_.reset();
+    return false;
+  }
   closest_ = points.closest(part);
-  distance_ = points.distance();
+  closest_.v = distance * found.direction;
+  distance_ = distance;
   *axis = found;
   return true;
 }
@@ -128,12 +109,17 @@ double PairSteps::apartFor(const Instant& now, const Closest& closest, double sp
 }
 
 double PairSteps::longest(const Instant& now, Axis axis, double span, Axis* proved) {
-  double best = 0.0, gap = 0.0;
+  double best = 0.0;
   const auto propose = [&](const Axis& proposed) {
     if (!proposed.valid) return;
-    const double s = impact::apartFor(GapModel(piece_, now, a_, b_, proposed, reach_), span, &gap);
-    if (!(s > best)) return;
-    best = s;
+    if (!through_) through_.emplace(piece_, now, a_, b_, proposed, reach_);
+    const Apart apart = impact::apartFor(*through_, span);
+    const double first = through_->first();
+    through_.reset();
+    if (!(apart.time > best)) return;
+    best = apart.time;
+    first_ = first;
+    last_ = apart;
     *proved = proposed;
   };
   propose(axis);

@@ -32,10 +32,9 @@ class PairSteps {
   /// Finds the closest points and the axis through them. A distance that is too large by the share `loss`
   /// will do.
   Axis closestAt(const Instant& now, double loss);
-  bool staysOnEdge(const Instant& now, double loss, Axis* axis);
-  bool staysOnRim(const Instant& now, double loss, Axis* axis);
   /// Takes over the points, found for a part of the pair, if no other point of it shows itself closer.
-  bool takeOver(const SlidingPoints& points, const Cores& part, const Instant& now, double loss, Axis* axis);
+  bool takeOver(const SlidingPoints& points, const Cores& part, double radius, const Instant& now,
+                double loss, Axis* axis);
   /// The best of the axis through the closest points and, where it does badly, of others.
   double longest(const Instant& now, Axis axis, double span, Axis* proved);
 
@@ -44,9 +43,12 @@ class PairSteps {
   const CoreReaches reach_;
   const double radius_;                   ///< of both, with the contact distance
   std::optional<SlidingPoints> sliding_;  ///< for a pair that has closed forms
+  std::optional<GapModel> through_;       ///< of the axis that longest() is to try first, where it is made
   Parting parting_;
   Closest closest_;
   double distance_ = 0.0;  ///< of the cores at the closest points
+  double first_ = 0.0;     ///< [m] the gap at the start of what longest() proved last
+  Apart last_;             ///< and that
 };
 
 }  // namespace collision_node::impact

@@ -98,7 +98,12 @@ void PieceRun::persist(double& t, ContactWitness& witness) {
     fresh.element_b = witness.element_b;
     witness = std::move(fresh);
   };
-  if (witness.rounded) renew(witness.shrunk > 0.0 ? std::numeric_limits<double>::infinity() : 0.0);
+  if (witness.momentary) {
+    renew(std::numeric_limits<double>::infinity());
+    if (witness.momentary) return;
+  } else if (witness.rounded) {
+    renew(witness.shrunk > 0.0 ? std::numeric_limits<double>::infinity() : 0.0);
+  }
   while (t < end_ && !search_.exhausted()) {
     const double next = std::min(end_, t + step);
     const Instant later = pair_.at(next);

@@ -287,7 +287,13 @@ Proved Search::classifyPair(double t, ElementPair pair, ContactWitness* witness)
   Vec3 buffer_a[3], buffer_b[3];
   const Element a = piece_.a.element(pair.a, buffer_a), b = piece_.b.element(pair.b, buffer_b);
   witness->clear();
-  const Proved proved = classifyElements(piece_.at(t), a, b, closestAt(t, pair), *witness);
+  const Instant now = piece_.at(t);
+  const Closest before = closestAt(t, pair);
+  const Parting* const parting = partingAt(t, pair);
+  const Vec3 direction = parting != nullptr ? parting->at(t) : Vec3(Vec3::Zero());
+  Proved proved = Proved::kContact;
+  if (!touchesSliding(piece_, now, a, b, before, parting != nullptr ? &direction : nullptr, *witness))
+    proved = classifyElements(now, a, b, before, *witness);
   witness->element_a = pair.a;
   witness->element_b = pair.b;
   return proved;

@@ -84,6 +84,7 @@ class RelativeMotion {
   /// For reports only: poses in the world.
   Pose poseA(double t) const { return motion_a_.at(offset_a_ + t); }
   Pose poseB(double t) const { return motion_b_.at(offset_b_ + t); }
+  Vec3 originOfA(double t) const { return motion_a_.positionAt(offset_a_ + t); }
 
  private:
   struct Spin {

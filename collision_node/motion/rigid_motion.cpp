@@ -52,7 +52,7 @@ RigidMotion straightLine(const StampedPose& from, const StampedPose& to) {
 
 Pose RigidMotion::at(double s) const {
   Pose pose;
-  pose.position = c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+  pose.position = positionAt(s);
   pose.orientation = q0;
   if (!omega.isZero(0.0)) {
     const double rate = omega.stableNorm();

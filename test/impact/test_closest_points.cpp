@@ -195,7 +195,7 @@ TEST(ClosestPoints, OnARimTheyAreAsCloseAndSlide) {
     const moving::Pair pair = randomPair(random, shapeOf(3, random), shapeOf(4, random));
     Vec3 buffer[3];
     const Element a = pair.body_a.element(0, buffer), b = pair.body_b.element(0, buffer);
-    SlidingPoints points = SlidingPoints::ofRim(a, b, a.vertices == nullptr);
+    SlidingPoints points = SlidingPoints::ofCurve(a, b, a.vertices == nullptr);
     constexpr double kTime = 0.5, kStep = 1e-6;
     const Instant now = pair.solver.at(kTime), later = pair.solver.at(kTime + kStep);
     const Cores cores(now, a, b);

@@ -109,6 +109,58 @@ TEST(ContactProof, WhatIsSaidToTouchTouches) {
   EXPECT_GT(deep_said, 0.98 * deep) << "not a guarantee, but the solver would confirm nothing";
 }
 
+TEST(ContactProof, AFeatureThatIsSaidToReachIntoTheOtherTouchesIt) {
+  // "a known feature of one of them reaches into the other": two that are apart are moved together along
+  // their closest vector, to within rounding of touching or a hair through it.
+  Random random(kSeed, 7);
+  int said = 0, deep = 0, deep_said = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double size = random.decade(-2, 2), at = random.unit();
+    const auto solid = [&]() -> geometry::PlacedShape {
+      const auto length = [&] { return size * random.decade(-1, 0); };
+      geometry::PlacedShape out;
+      out.source = "random";
+      out.origin = {moving::randomVec(random, random.chance(0.5) ? 0.0 : size), random.orientation()};
+      if (random.chance(0.5)) {
+        out.shape = geometry::Box{{length(), length(), length()}};
+      } else {
+        out.shape = geometry::Cylinder{length(), length()};
+      }
+      return out;
+    };
+    const moving::Shapes a = {solid()}, b = {solid()};
+    Piece piece =
+        moving::randomPiece(random, size, Vec3::Zero(), Vec3::Zero(), at, 8.0 * size * random.direction());
+    const Looked apart(a, b, piece, 0.0);
+    const Instant far = apart.pair.solver.at(at * apart.pair.solver.motion.duration());
+    const Vec3 between = closestPoints(Cores(far, apart.a, apart.b), Vec3::Zero()).v;
+    const double budget = apart.pair.solver.point_error;
+    const double depth = (random.chance(0.2) ? -1.0 : 1.0) * budget * random.decade(-1, 6);
+    piece.b.c[0] -= between + depth * between.normalized();
+    const Looked look(a, b, piece, 0.0);
+    const double t = at * look.pair.solver.motion.duration();
+    const Instant now = look.pair.solver.at(t);
+    Instant before = now;
+    before.d += (std::abs(depth) + 1e-9 * size) * between.normalized();
+    const Closest closest = closestPoints(Cores(before, look.a, look.b), between);
+    if (closest.overlap) continue;
+    const Vec3 direction = closest.v.normalized();
+    ContactWitness witness;
+    const bool touches = touchesSliding(look.pair.solver, now, look.a, look.b, closest,
+                                        random.chance(0.9) ? &direction : nullptr, witness);
+    said += touches;
+    if (touches) {
+      ASSERT_LE(look.pair.exact.distance(t), resolution(look.pair)) << "seed " << kSeed << " case " << i;
+    }
+    const bool is_deep = depth > 1e3 * budget;
+    deep += is_deep;
+    deep_said += is_deep && touches;
+  }
+  std::printf("%d contacts proved; %d of %d deeper ones\n", said, deep_said, deep);
+  EXPECT_GT(said, 1000);
+  EXPECT_GT(deep_said, 0.7 * deep) << "not a guarantee, but without it each contact is searched for";
+}
+
 TEST(ContactProof, WhatIsSaidToTouchThroughoutTouchesAtFiftyTimes) {
   Random random(kSeed, 1);
   int said = 0;

@@ -76,7 +76,7 @@ TEST(Nasty, C14_TwoBladesAt1e5RadiansASecondMeetWithBoundedWork) {
 
   // A budget bounds the work; what was not looked at is said.
   PairOptions options;
-  options.node_budget = 60;
+  options.node_budget = 20;
   Watched hasty(blade, blade, options);
   const PieceOutcome short_work = hasty.advance(piece);
   hasty.finish();

@@ -113,7 +113,8 @@ TEST(RoundingBudget, EveryPointDifferenceAndEveryGapValueIsWithinIt) {
     const Instant now = pair.at(t);
     const auto turn_a = path_a.turn(t), turn_b = path_b.turn(t);
     const I3 d = minus(path_b.position(t), path_a.position(t)),
-             d_rate = minus(path_b.velocity(t), path_a.velocity(t));
+             d_rate = minus(path_b.velocity(t), path_a.velocity(t)),
+             d_bend = minus(path_b.acceleration(t), path_a.acceleration(t));
 
     Vec3 buffer_a[3], buffer_b[3];
     const Element ea = a.element(0, buffer_a), eb = b.element(0, buffer_b);
@@ -141,11 +142,14 @@ TEST(RoundingBudget, EveryPointDifferenceAndEveryGapValueIsWithinIt) {
     axis.valid = true;
     const double s = random.chance(0.2) ? 0.0 : (duration - t) * random.decade(-12, 0);
     const GapModel model(pair, now, ea, eb, axis);
-    const I3 n0 = interval3(axis.direction), n1 = interval3(axis.rate), n = plus(n0, times(s, n1));
+    const I3 n0 = interval3(axis.direction), n1 = interval3(axis.rate);
+    // The control points of the gap over [0, s], without its remainder: a support in the direction
+    // u = R^T (n0 + x (n1 + n0 x omega) + y (omega x (omega x n0)/2 - omega x n1)), component by component.
     const auto support = [&](const Element& e, const IntervalPath& path, const IntervalPath::Turn& turn,
-                             bool minimum) {
-      // u = R^T (n0 + s (n1 + n0 x omega)), component by component: u_k = (R e_k) . (...)
-      I3 world = plus(n0, times(s, plus(n1, crossOf(n0, path.omega()))));
+                             double x, double y, bool minimum) {
+      const I3 omega = path.omega();
+      const I3 second = minus(times(0.5, crossOf(omega, crossOf(omega, n0))), crossOf(omega, n1));
+      I3 world = plus(plus(n0, times(x, plus(n1, crossOf(n0, omega)))), times(y, second));
       if (minimum) world = times(-1, world);
       I3 u;
       for (int k = 0; k < 3; ++k) {
@@ -155,20 +159,31 @@ TEST(RoundingBudget, EveryPointDifferenceAndEveryGapValueIsWithinIt) {
       return supportOf(e, u);
     };
     const Interval grown = Interval(ea.radius) + Interval(eb.radius) + Interval(pair.contact_distance);
-    const Interval linear = dotOf(n0, d) + Interval(s) * (dotOf(n1, d) + dotOf(n0, d_rate)) -
-                            support(ea, path_a, turn_a, false) - support(eb, path_b, turn_b, true) -
-                            grown * lengthOf(n);
-    const double length = upper(lengthOf(n));
-    const double budget = length * (pair.point_error + s * pair.rate_error);
-    const double said =
-        model.at(s).gap;  // budget and remainder already subtracted: it may be lower, never higher
-    const double excess = upper(Interval(said) + Interval(budget) - linear);
-    worst_gap = std::max(worst_gap, excess / budget);
-    ASSERT_LE(excess, budget) << "s " << s << " of " << duration;
-    // At s = 0 there is no remainder: the value is off by no more than the budget either way.
-    if (s == 0.0) {
-      ASSERT_LE(largest(Interval(said) + Interval(budget) - linear), budget);
-    }
+    const GapModel::Bounds bounds = model.until(s);
+    const auto check = [&](double x, double y, double said) {
+      const I3 axis_there = plus(n0, times(x, n1));
+      const Interval exact_value = dotOf(n0, d) + Interval(x) * (dotOf(n1, d) + dotOf(n0, d_rate)) +
+                                   Interval(y) * (dotOf(n1, d_rate) + Interval(0.5) * dotOf(n0, d_bend)) -
+                                   support(ea, path_a, turn_a, x, y, false) -
+                                   support(eb, path_b, turn_b, x, y, true) - grown * lengthOf(axis_there);
+      const double length = axis.direction.norm() + x * axis.rate.norm();
+      const double spin2 = std::pow(pair.motion.spinA(), 2) + std::pow(pair.motion.spinB(), 2);
+      const double bend = 0.5 * spin2 * axis.direction.norm() +
+                          (pair.motion.spinA() + pair.motion.spinB()) * axis.rate.norm();
+      const double budget = length * (pair.point_error + x * pair.rate_error) + y * bend * pair.point_error;
+      // Budget and remainder are already subtracted: it may be lower, never higher.
+      const double excess = upper(Interval(said) + Interval(budget) - exact_value);
+      worst_gap = std::max(worst_gap, excess / budget);
+      EXPECT_LE(excess, budget) << "x " << x << " y " << y << " of " << duration;
+      // At s = 0 there is no remainder: the value is off by no more than the budget either way.
+      if (x == 0.0) {
+        EXPECT_LE(largest(Interval(said) + Interval(budget) - exact_value), budget);
+      }
+    };
+    check(0.0, 0.0, bounds.first);
+    check(0.5 * s, 0.0, bounds.middle);
+    check(s, s * s, bounds.last);
+    if (testing::Test::HasFailure()) return;
   }
   std::printf("largest share used: displacement %.3f, point difference %.3f, gap value %.3f\n",
               worst_distance, worst_point, worst_gap);

@@ -34,6 +34,9 @@ class IntervalPath {
     const Interval s = offset_ + t;
     return plus(c_[1], times(s, plus(times(2, c_[2]), times(s, times(3, c_[3])))));
   }
+  I3 acceleration(const Interval& t) const {
+    return plus(times(2, c_[2]), times(offset_ + t, times(6, c_[3])));
+  }
   const I3& omega() const { return w_; }
 
   /// Rotations of several vectors at one time share its sine and cosine.
