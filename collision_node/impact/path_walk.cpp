@@ -20,6 +20,12 @@ COLLISION_NODE_INLINE void store(const Four& x, Number (&to)[kFour]) {
   std::memcpy(to, &x, sizeof to);
 }
 
+/// A function, no lambda: without optimisation one that returns a register and is not inlined hands it over
+/// otherwise than a caller with wider registers expects.
+COLLISION_NODE_INLINE Four gather(const double* from, const std::ptrdiff_t at[kFour]) {
+  return Four{from[at[0]], from[at[1]], from[at[2]], from[at[3]]};
+}
+
 /// Lanes whose triangle, seen along the path, is not clearly to one side of it.
 COLLISION_NODE_INLINE unsigned nearLanes(const PathWalk& walk, const double* vertices, const WideLeaf& leaf,
                                          SeenLeaf& seen) {
@@ -27,12 +33,11 @@ COLLISION_NODE_INLINE unsigned nearLanes(const PathWalk& walk, const double* ver
   const double *const in_x = vertices + f.kx, *const in_y = vertices + f.ky, *const in_z = vertices + f.kz;
   Four x[3], y[3], size = {};
   for (int k = 0; k < 3; ++k) {
-    std::ptrdiff_t v[4];
+    std::ptrdiff_t v[kFour];
     for (int lane = 0; lane < 4; ++lane) v[lane] = 3 * static_cast<std::ptrdiff_t>(leaf.vertex[k][lane]);
-    const auto of = [&](const double* axis) { return Four{axis[v[0]], axis[v[1]], axis[v[2]], axis[v[3]]}; };
-    const Four z = of(in_z) - f.origin[2];
-    x[k] = (of(in_x) - f.origin[0]) - f.shear_x * z;
-    y[k] = (of(in_y) - f.origin[1]) - f.shear_y * z;
+    const Four z = gather(in_z, v) - f.origin[2];
+    x[k] = (gather(in_x, v) - f.origin[0]) - f.shear_x * z;
+    y[k] = (gather(in_y, v) - f.origin[1]) - f.shear_y * z;
     size = larger(size, larger(magnitude(x[k]), magnitude(y[k])));
     store(z, seen.depth[k]);
   }
