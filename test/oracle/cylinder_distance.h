@@ -198,7 +198,27 @@ Gap convexGap(const SupportA& support_a, const SupportB& support_b, V3 direction
   return best;
 }
 
+/// Where the point of c that reaches farthest towards a cap's plane of d stands above that cap, it is the
+/// nearest, and its height the distance. A search finds the place only to the root of its rounding.
+inline bool rimOverCap(const Cylinder& c, const Cylinder& d, Gap& gap) {
+  for (const V3& up : {d.axis, -d.axis}) {
+    const V3 lowest = supportOfCylinder(c, -up), r = lowest - d.centre;
+    const Real height = dot(r, up) - d.half;
+    if (!(height > 0) || norm(r - dot(r, up) * up) > d.radius) continue;
+    gap = gapBetween(lowest, lowest - height * up);
+    gap.lower = gap.upper = height;
+    return true;
+  }
+  return false;
+}
+
 inline Gap cylinderCylinder(const Cylinder& c, const Cylinder& d, Real loose = 0) {
+  Gap gap;
+  if (rimOverCap(c, d, gap)) return gap;
+  if (rimOverCap(d, c, gap)) {
+    std::swap(gap.a, gap.b);
+    return gap;
+  }
   const Real scale = norm(d.centre - c.centre) + c.radius + c.half + d.radius + d.half;
   return convexGap([&](const V3& n) { return supportOfCylinder(c, n); },
                    [&](const V3& n) { return supportOfCylinder(d, n); }, c.centre - d.centre, scale, loose);
