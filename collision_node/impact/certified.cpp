@@ -2,11 +2,11 @@
 /// pair's data.
 #include <algorithm>
 
-#include "collision_node/impact/event_writer.h"
+#include "collision_node/impact/facts/event_writer.h"
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/impact/piece_run.h"
 #include "collision_node/impact/solve.h"
-#include "collision_node/impact/straight_shot.h"
+#include "collision_node/impact/straight/straight_shot.h"
 
 namespace collision_node::impact {
 namespace {

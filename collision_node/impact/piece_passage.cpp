@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "collision_node/impact/piece_run.h"
-#include "collision_node/impact/straight_facts.h"
+#include "collision_node/impact/straight/straight_facts.h"
 
 namespace collision_node::impact {
 namespace {

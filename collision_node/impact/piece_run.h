@@ -13,8 +13,8 @@
 #include <optional>
 #include <vector>
 
-#include "collision_node/impact/event_writer.h"
-#include "collision_node/impact/passage_proof.h"
+#include "collision_node/impact/facts/event_writer.h"
+#include "collision_node/impact/proof/passage_proof.h"
 #include "collision_node/impact/workspace.h"
 
 namespace collision_node::impact {

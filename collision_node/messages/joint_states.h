@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "collision_node/messages/pose_reader.h"
-#include "collision_node/scene/moving_parts.h"
+#include "collision_node/scene/file/moving_parts.h"
 
 namespace collision_node::messages {
 

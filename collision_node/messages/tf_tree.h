@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "collision_node/messages/pose_reader.h"
-#include "collision_node/scene/composed_path.h"
+#include "collision_node/scene/tracks/composed_path.h"
 
 namespace collision_node::messages {
 

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "collision_node/scene/fingerprint.h"
-#include "collision_node/scene/instant.h"
 #include "collision_node/scene/needs.h"
+#include "collision_node/scene/tracks/instant.h"
 
 namespace collision_node::replay {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "collision_node/scene/instant.h"
+#include "collision_node/scene/tracks/instant.h"
 
 namespace collision_node::replay {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "collision_node/impact/linear_features.h"
+#include "collision_node/impact/linear/linear_features.h"
 
 namespace collision_node::report {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "collision_node/scene/time_line.h"
+#include "collision_node/scene/tracks/time_line.h"
 
 namespace collision_node::scene {
 

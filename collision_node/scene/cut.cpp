@@ -5,12 +5,12 @@
 #include <set>
 #include <utility>
 
-#include "collision_node/scene/composed_path.h"
 #include "collision_node/scene/fingerprint.h"
 #include "collision_node/scene/model_watch.h"
 #include "collision_node/scene/pair_table.h"
 #include "collision_node/scene/pair_watch.h"
-#include "collision_node/scene/time_line.h"
+#include "collision_node/scene/tracks/composed_path.h"
+#include "collision_node/scene/tracks/time_line.h"
 
 namespace collision_node::scene {
 

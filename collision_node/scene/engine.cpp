@@ -9,8 +9,8 @@
 #include "collision_node/scene/fingerprint.h"
 #include "collision_node/scene/needs.h"
 #include "collision_node/scene/pair_table.h"
-#include "collision_node/scene/scene_tracks.h"
-#include "collision_node/scene/time_line.h"
+#include "collision_node/scene/tracks/scene_tracks.h"
+#include "collision_node/scene/tracks/time_line.h"
 
 namespace collision_node::scene {
 

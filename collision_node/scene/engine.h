@@ -12,7 +12,7 @@
 
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/scene/scene.h"
-#include "collision_node/scene/segment.h"
+#include "collision_node/scene/tracks/segment.h"
 
 namespace collision_node::scene {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "collision_node/scene/engine.h"
-#include "collision_node/scene/instant.h"
+#include "collision_node/scene/tracks/instant.h"
 
 namespace collision_node::scene {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "collision_node/impact/pair_method.h"
-#include "collision_node/scene/instant.h"
-#include "collision_node/scene/pieces.h"
+#include "collision_node/scene/tracks/instant.h"
+#include "collision_node/scene/tracks/pieces.h"
 
 namespace collision_node::scene {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "collision_node/scene/pair_watch.h"
-#include "collision_node/scene/pieces.h"
-#include "collision_node/scene/time_line.h"
+#include "collision_node/scene/tracks/pieces.h"
+#include "collision_node/scene/tracks/time_line.h"
 #include "collision_node/scene/traveller.h"
 
 namespace collision_node::scene {

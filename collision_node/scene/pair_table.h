@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "collision_node/scene/broad_phase.h"
+#include "collision_node/scene/broad_phase/broad_phase.h"
 #include "collision_node/scene/coverage.h"
 #include "collision_node/scene/crew.h"
 #include "collision_node/scene/event_queue.h"

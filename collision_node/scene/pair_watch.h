@@ -7,8 +7,8 @@
 
 #include "collision_node/scene/event_queue.h"
 #include "collision_node/scene/model_watch.h"
-#include "collision_node/scene/pieces.h"
 #include "collision_node/scene/scene.h"
+#include "collision_node/scene/tracks/pieces.h"
 
 namespace collision_node::scene {
 

@@ -6,9 +6,9 @@
 /// `spent()`.
 #pragma once
 
+#include "collision_node/scene/broad_phase/sweep.h"
 #include "collision_node/scene/scene.h"
-#include "collision_node/scene/sweep.h"
-#include "collision_node/scene/track.h"
+#include "collision_node/scene/tracks/track.h"
 
 namespace collision_node::scene {
 

@@ -30,6 +30,17 @@ MAY_USE = {
     "replay": CORE | {"messages"},
     "report": CORE | {"messages"},
 }
+# The folders inside a room, and what of their room each may include besides itself. The room's own files may use all of
+# them; of those files they may only use the room's ground.
+INSIDE = {
+    "impact": {"linear": set(), "convex": set(), "straight": set(), "proof": {"convex"},
+               "walk": {"convex", "proof", "straight"}, "facts": {"convex", "proof", "walk"}},
+    "scene": {"tracks": set(), "broad_phase": set(), "file": {"broad_phase"}},
+}
+GROUND = {
+    "impact": {"pair_piece.h", "workspace.h", "four_doubles.h"},
+    "scene": {"scene.h", "needs.h"},
+}
 TOP_LEVEL = {PACKAGE, "msg", "launch", "config", "test", "package.xml", "CMakeLists.txt", "README.md", "LICENSE",
              "CHANGELOG.rst"}
 # Debian keeps ROS in /usr/include itself, so only names tell. urdfdom (urdf_model, urdf_parser ...) is not ROS.
@@ -40,13 +51,27 @@ ROS_FOLDER = re.compile(
 ROS_PREFIX = re.compile(r"^/opt/ros/")
 GENERATED = re.compile(r"/include/%s/\w+\.h$" % PACKAGE)
 HEAVY = re.compile(r'^\s*#\s*include\s*[<"]((?:assimp|urdf_\w+|urdfdom\w*|yaml-cpp)/[^>"]*)', re.M)
-INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]%s/(\w+)/[^>"]*' % PACKAGE, re.M)
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]%s/(\w+)/([^>"]*)' % PACKAGE, re.M)
 
 
 def room_of(path, source):
     """The room a path of the tree lies in, or None."""
     parts = os.path.relpath(path, source).split(os.sep)
     return parts[1] if len(parts) > 2 and parts[0] == PACKAGE and parts[1] in MAY_USE else None
+
+
+def inner_offence(name, room, included):
+    """What is wrong with including `included`, a path within `room`, in the file `name` of the same room, or None."""
+    parts = name.split(os.sep)
+    if room not in INSIDE or len(parts) < 4:
+        return None
+    inner, other = parts[2], os.path.dirname(included)
+    if inner not in INSIDE[room]:
+        return "%s: a folder that the room's rules do not name" % name
+    if other == inner or other in INSIDE[room][inner] or (not other and included in GROUND[room]):
+        return None
+    return "%s: includes %s/%s; %s/%s may use only %s" % (
+        name, room, included, room, inner, ", ".join(sorted(INSIDE[room][inner] | GROUND[room])))
 
 
 def limit(room):
@@ -176,6 +201,9 @@ def check_sources(source):
             other = match.group(1)
             if room and other != room and other in MAY_USE and other not in MAY_USE[room]:
                 offences.append("%s: includes room %s; %s" % (name, other, limit(room)))
+            inner = inner_offence(name, room, match.group(2)) if other == room else None
+            if inner:
+                offences.append(inner)
         if not name.endswith(".cpp"):
             for match in HEAVY.finditer(text):
                 offences.append("%s: includes %s; assimp, urdfdom and yaml-cpp belong in .cpp files" %
@@ -275,6 +303,14 @@ def self_test():
         ("node uses replay", dependency("node/main.cpp", "SOURCE/collision_node/replay/x.h"), "room node may use only"),
         ("upward in a header", header("impact/bad.h", '#include "collision_node/scene/engine.h"\n'),
          "includes room scene"),
+        ("up inside a room", header("scene/tracks/bad.h", '#include "collision_node/scene/engine.h"\n'),
+         "scene/tracks may use only"),
+        ("across a room", header("impact/proof/bad.h", '#include "collision_node/impact/walk/search.h"\n'),
+         "impact/proof may use only"),
+        ("down inside a room", header("impact/walk/good.h", '#include "collision_node/impact/proof/wrap.h"\n'), None),
+        ("ground of a room", header("impact/walk/good.h", '#include "collision_node/impact/pair_piece.h"\n'), None),
+        ("unknown folder", header("impact/more/bad.h", '#include "collision_node/impact/pair_piece.h"\n'),
+         "rules do not name"),
         ("heavy", header("scene/bad.h", "#include <yaml-cpp/yaml.h>\n"), "includes yaml-cpp/yaml.h"),
         ("heavy 2", header("geometry/bad.h", "#  include <assimp/scene.h>\n"), "includes assimp/scene.h"),
         ("heavy 3", header("geometry/bad.h", "#include <urdf_model/model.h>\n"), "includes urdf_model/model.h"),

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "collision_node/impact/linear_features.h"
+#include "collision_node/impact/linear/linear_features.h"
 #include "test/oracle/linear_contact.h"
 
 namespace linear {

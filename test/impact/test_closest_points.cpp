@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "collision_node/impact/closest_points.h"
+#include "collision_node/impact/convex/closest_points.h"
 #include "test/impact/moving_pair.h"
 
 namespace collision_node::impact {

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "collision_node/impact/contact_proof.h"
-#include "collision_node/impact/passage_proof.h"
+#include "collision_node/impact/proof/contact_proof.h"
+#include "collision_node/impact/proof/passage_proof.h"
 #include "test/impact/moving_pair.h"
 
 namespace collision_node::impact {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "collision_node/impact/gap_model.h"
+#include "collision_node/impact/convex/gap_model.h"
 #include "test/impact/moving_pair.h"
 
 namespace collision_node::impact {

@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "collision_node/impact/inside.h"
+#include "collision_node/impact/proof/inside.h"
 #include "test/impact/moving_pair.h"
 
 namespace collision_node::impact {

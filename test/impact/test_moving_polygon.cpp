@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "collision_node/impact/moving_polygon.h"
+#include "collision_node/impact/linear/moving_polygon.h"
 
 namespace collision_node::impact {
 namespace {

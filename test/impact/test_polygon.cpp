@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "collision_node/impact/polygon.h"
+#include "collision_node/impact/convex/polygon.h"
 #include "test/impact/fuzz_shapes.h"
 
 namespace collision_node::impact {

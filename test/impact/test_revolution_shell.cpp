@@ -1,8 +1,8 @@
 /// A spinning body stays in its shell; what the shell does not meet costs no turns.
 #include <gtest/gtest.h>
 
-#include "collision_node/impact/revolution_shell.h"
-#include "collision_node/impact/search.h"
+#include "collision_node/impact/walk/revolution_shell.h"
+#include "collision_node/impact/walk/search.h"
 #include "test/impact/fuzz_object.h"
 #include "test/impact/watched_pair.h"
 

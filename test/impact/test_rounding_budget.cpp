@@ -5,7 +5,7 @@
 
 #include <cstdio>
 
-#include "collision_node/impact/gap_model.h"
+#include "collision_node/impact/convex/gap_model.h"
 #include "test/impact/moving_pair.h"
 #include "test/oracle/interval_path.h"
 #include "test/oracle/stamped_motion.h"

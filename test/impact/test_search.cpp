@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "collision_node/impact/search.h"
+#include "collision_node/impact/walk/search.h"
 #include "test/impact/fuzz_case.h"
 #include "test/impact/moving_pair.h"
 

@@ -2,7 +2,7 @@
 // them.
 #include <gtest/gtest.h>
 
-#include "collision_node/impact/straight_path.h"
+#include "collision_node/impact/straight/straight_path.h"
 #include "test/impact/star_shot.h"
 
 namespace moving {

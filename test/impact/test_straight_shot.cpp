@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "collision_node/impact/solve.h"
-#include "collision_node/impact/straight_shot.h"
+#include "collision_node/impact/straight/straight_shot.h"
 #include "test/impact/star_shot.h"
 
 namespace moving {

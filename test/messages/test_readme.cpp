@@ -35,7 +35,7 @@ Keys keysOfTheReader() {
   for (const char* file : {"scene_file", "object_reader", "source_reader", "pair_reader", "map_reader"})
     collect(textOf(std::string("collision_node/scene/") + file + ".cpp"), call, keys);
   // The shapes are a list of words.
-  const std::string reader = textOf("collision_node/scene/object_reader.cpp");
+  const std::string reader = textOf("collision_node/scene/file/object_reader.cpp");
   const auto from = reader.find("kShapeKeys = {");
   EXPECT_NE(from, std::string::npos);
   collect(reader.substr(from, reader.find('}', from) - from), std::regex("\"(\\w+)\""), keys);

@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "collision_node/scene/broad_phase.h"
+#include "collision_node/scene/broad_phase/broad_phase.h"
 
 namespace collision_node::scene {
 namespace {

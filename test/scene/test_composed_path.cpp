@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "collision_node/scene/composed_path.h"
+#include "collision_node/scene/tracks/composed_path.h"
 
 namespace collision_node::scene {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "collision_node/scene/instant.h"
+#include "collision_node/scene/tracks/instant.h"
 
 namespace collision_node::scene {
 namespace {

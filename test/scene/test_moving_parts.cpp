@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collision_node/scene/moving_parts.h"
-#include "collision_node/scene/segment.h"
+#include "collision_node/scene/file/moving_parts.h"
+#include "collision_node/scene/tracks/segment.h"
 #include "test/support/scene_texts.h"
 
 namespace collision_node::scene {

@@ -1,7 +1,7 @@
 /// Which segments are in doubt.
 #include <gtest/gtest.h>
 
-#include "collision_node/scene/segment.h"
+#include "collision_node/scene/tracks/segment.h"
 
 namespace collision_node::scene {
 namespace {

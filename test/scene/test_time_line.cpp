@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "collision_node/scene/pieces.h"
-#include "collision_node/scene/time_line.h"
+#include "collision_node/scene/tracks/pieces.h"
+#include "collision_node/scene/tracks/time_line.h"
 
 namespace collision_node::scene {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "collision_node/scene/track.h"
+#include "collision_node/scene/tracks/track.h"
 
 namespace collision_node::scene {
 namespace {

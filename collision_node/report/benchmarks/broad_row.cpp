@@ -5,7 +5,7 @@
 #include "collision_node/report/benchmarks/traffic.h"
 #include "collision_node/report/peers_broad.h"
 #include "collision_node/report/random.h"
-#include "collision_node/scene/broad_phase.h"
+#include "collision_node/scene/broad_phase/broad_phase.h"
 
 namespace collision_node::report {
 namespace {

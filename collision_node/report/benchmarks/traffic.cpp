@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "collision_node/report/random.h"
-#include "collision_node/scene/broad_phase.h"
+#include "collision_node/scene/broad_phase/broad_phase.h"
 
 namespace collision_node::report {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "collision_node/scene/sweep.h"
+#include "collision_node/scene/broad_phase/sweep.h"
 
 namespace collision_node::report {
 

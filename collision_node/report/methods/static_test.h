@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "collision_node/impact/pair_piece.h"
-#include "collision_node/impact/search.h"
+#include "collision_node/impact/walk/search.h"
 #include "collision_node/report/methods/peer_models.h"
 
 namespace collision_node::report {

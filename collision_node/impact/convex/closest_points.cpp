@@ -1,0 +1,272 @@
+#include "collision_node/impact/convex/closest_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collision_node/impact/convex/sliding_features.h"
+
+namespace collision_node::impact {
+namespace {
+
+bool isSegment(const Element& e) { return e.vertices != nullptr && e.count <= 2; }
+
+}  // namespace
+
+ClampingCore::ClampingCore(const Element& e)
+    : frame(*e.frame),
+      round(e.vertices == nullptr),
+      half(round ? Vec3(e.rim_radius, e.rim_radius, e.half_length) : frame.half) {}
+
+ClampingCore::Seen ClampingCore::see(const Vec3& x, const Vec3& edge) const {
+  Seen seen{Vec3::Zero(), 0.0};
+  for (int k = round ? 2 : 0; k < 3; ++k) {
+    const double beyond = std::abs(x[k]) - half[k];
+    if (!(beyond > 0.0)) continue;
+    seen.offset[k] = std::copysign(beyond, x[k]);
+    seen.bend += edge[k] * edge[k];
+  }
+  if (!round) return seen;
+  const double distance2 = x[0] * x[0] + x[1] * x[1];
+  if (!(distance2 > half[0] * half[0])) return seen;
+  const double around = 1.0 - half[0] / std::sqrt(distance2);
+  const double radial = edge[0] * x[0] + edge[1] * x[1];
+  seen.offset[0] = around * x[0];
+  seen.offset[1] = around * x[1];
+  seen.bend +=
+      around * (edge[0] * edge[0] + edge[1] * edge[1]) + (1.0 - around) * radial * radial / distance2;
+  return seen;
+}
+
+Mat3 ClampingCore::stretch(const Vec3& x) const {
+  Mat3 m = Mat3::Zero();
+  for (int k = round ? 2 : 0; k < 3; ++k) m(k, k) = std::abs(x[k]) > half[k] ? 1.0 : 0.0;
+  const double distance2 = x[0] * x[0] + x[1] * x[1];
+  if (!round || !(distance2 > half[0] * half[0])) return m;
+  const double around = 1.0 - half[0] / std::sqrt(distance2), radial = (1.0 - around) / distance2;
+  m(0, 0) = around + radial * x[0] * x[0];
+  m(1, 1) = around + radial * x[1] * x[1];
+  m(0, 1) = m(1, 0) = radial * x[0] * x[1];
+  return m;
+}
+
+/// Newton's method on half the derivative of the squared distance, which grows along the edge; halving where
+/// it leaves what is known to hold the root.
+double ClampingCore::nearestShare(const Vec3& x, const Vec3& edge, double guess) const {
+  constexpr int kMost = 64;
+  constexpr double kClose = 1e-10;  // another step of Newton squares it
+  double low = -1.0, high = 2.0, share = std::clamp(guess, 0.0, 1.0);
+  for (int i = 0; i < kMost; ++i) {
+    const Seen seen = see(x + share * edge, edge);
+    const double slope = seen.offset.dot(edge);
+    (slope > 0.0 ? high : low) = share;
+    if (slope == 0.0 || high <= 0.0 || low >= 1.0) return share;
+    const double step = seen.bend > 0.0 ? -slope / seen.bend : 0.0;
+    double next = std::clamp(share + step, 0.0, 1.0);
+    if (std::abs(next - share) <= kClose) return next;
+    if (!(next > low && next < high)) next = 0.5 * (std::max(low, 0.0) + std::min(high, 1.0));
+    share = next;
+  }
+  return share;
+}
+
+bool SlidingPoints::fit(const Element& a, const Element& b) {
+  return a.frame != nullptr && b.frame != nullptr && (isSegment(a) || isSegment(b));
+}
+
+SlidingPoints::SlidingPoints(const Element& a, const Element& b, bool curve_is_a)
+    : a_(a), b_(b), curve_is_a_(curve_is_a), solid_(curve_is_a ? b : a) {}
+
+SlidingPoints::SlidingPoints(const Element& a, const Element& b)
+    : SlidingPoints(a, b, isSegment(a) && !(isSegment(b) && b.count < a.count)) {}
+
+void SlidingPoints::find(const Cores& cores) {
+  const PosedCore &segment = curve_is_a_ ? cores.a : cores.b, &solid = curve_is_a_ ? cores.b : cores.a;
+  frame_ = solid_.frame.aligned ? *solid.rotation : Mat3(*solid.rotation * solid_.frame.axes);
+  const Vec3* const ends = segment.element->vertices;
+  x_ = frame_.transpose() * (segment.place(ends[0]) - solid.place(solid_.frame.centre));
+  edge_.setZero();
+  if (segment.element->count == 2) {
+    edge_ = frame_.transpose() * (*segment.rotation * (ends[1] - ends[0]));
+    const double length2 = edge_.squaredNorm();
+    if (share_ == 0.0 && length2 > 0.0) share_ = -x_.dot(edge_) / length2;
+    share_ = solid_.nearestShare(x_, edge_, share_);
+    x_ += share_ * edge_;
+  }
+  offset_ = solid_.see(x_, edge_).offset;
+  distance_ = offset_.norm();
+  slides_ = share_ > 0.0 && share_ < 1.0;
+}
+
+/// Newton's method on the derivative of half the squared distance round the rim.
+bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
+  const PosedCore &rim = curve_is_a_ ? cores.a : cores.b, &solid = curve_is_a_ ? cores.b : cores.a;
+  const Element& e = *rim.element;
+  const Mat3 own = *rim.rotation * e.frame->axes;
+  const Vec3 out = own.transpose() * (curve_is_a_ ? direction : Vec3(-direction));
+  double cosine = out.x(), sine = out.y(), length = std::sqrt(cosine * cosine + sine * sine);
+  // Near a side or an end of the cylinder another feature may hold the closest points.
+  constexpr double kSharp = 1e-3;
+  if (!(length > kSharp * std::abs(out.z()) && std::abs(out.z()) > kSharp * length)) return false;
+  frame_ = solid_.frame.aligned ? *solid.rotation : Mat3(*solid.rotation * solid_.frame.axes);
+  const double end = std::copysign(e.half_length, out.z());
+  const Vec3 centre = frame_.transpose() *
+                      (rim.place(e.centre + end * e.frame->axes.col(2)) - solid.place(solid_.frame.centre));
+  const Vec3 first = frame_.transpose() * own.col(0) * e.rim_radius,
+             second = frame_.transpose() * own.col(1) * e.rim_radius;
+  slides_ = true;
+  constexpr int kMost = 8;
+  constexpr double kClose = 1e-12, kFar = 0.5;
+  for (int i = 0; i < kMost; ++i) {
+    cosine /= length;
+    sine /= length;
+    const Vec3 arm = cosine * first + sine * second;
+    x_ = centre + arm;
+    edge_ = cosine * second - sine * first;
+    const ClampingCore::Seen seen = solid_.see(x_, edge_);
+    offset_ = seen.offset;
+    if (offset_.isZero(0.0)) {  // inside
+      distance_ = 0.0;
+      on_rim_ = e.centre + e.frame->axes * Vec3(e.rim_radius * cosine, e.rim_radius * sine, end);
+      return true;
+    }
+    curving_ = -offset_.dot(arm);
+    const double bend = seen.bend + curving_, slope = offset_.dot(edge_);
+    if (!(bend > 0.0) || !(std::abs(slope) < kFar * bend)) return false;
+    const double step = -slope / bend;
+    if (std::abs(step) < kClose) {
+      distance_ = offset_.norm();
+      on_rim_ = e.centre + e.frame->axes * Vec3(e.rim_radius * cosine, e.rim_radius * sine, end);
+      return distance_ > 0.0;
+    }
+    const double turned = cosine - step * sine;
+    sine += step * cosine;
+    cosine = turned;
+    length = std::sqrt(cosine * cosine + sine * sine);
+  }
+  return false;
+}
+
+Closest SlidingPoints::closest(const Cores& cores) const {
+  const Element &curve = curve_is_a_ ? a_ : b_, &solid = curve_is_a_ ? b_ : a_;
+  const PosedCore& placed = curve_is_a_ ? cores.b : cores.a;
+  // The solid's point, in its object's frame. Corners are taken as they are stored: facts look for them.
+  Vec3 nearest = x_ - offset_;
+  const bool corner = solid_.shrunk == 0.0 && solid.vertices != nullptr &&
+                      (offset_.array() != 0.0 || solid_.half.array() == 0.0).all();
+  if (corner) {
+    const int bits = (nearest.x() > 0.0 ? 1 : 0) | (nearest.y() > 0.0 ? 2 : 0) | (nearest.z() > 0.0 ? 4 : 0);
+    nearest = solid.vertices[solid.count == 8 ? bits : solid.count == 2 ? bits >> 2 : 0];
+  } else {
+    nearest = solid_.frame.centre + solid_.frame.axes * nearest;
+  }
+  Closest c;
+  const bool on_rim = curve.vertices == nullptr, at_end = !slides_ || on_rim;
+  c.count = at_end ? 1 : 2;
+  c.v = outward();
+  const Vec3 on_solid = placed.place(nearest);
+  const PosedCore& other = curve_is_a_ ? cores.a : cores.b;
+  for (int i = 0; i < c.count; ++i) {
+    const Vec3& x = on_rim ? on_rim_ : curve.vertices[at_end ? (share_ == 1.0 ? 1 : 0) : i];
+    const Vec3 w = on_solid - other.place(x);
+    c.point[i] = curve_is_a_ ? SupportPair{w, x, nearest} : SupportPair{-w, nearest, x};
+    c.weight[i] = at_end ? 1.0 : i == 0 ? 1.0 - share_ : share_;
+  }
+  c.overlap = distance_ == 0.0;
+  if (!slides_ && !c.overlap) {
+    // How far the rest of the segment lies beyond the closest point.
+    const double beyond = std::abs(offset_.dot(edge_)) / distance_;
+    c.sure = curve.count == 1 ? std::numeric_limits<double>::infinity() : beyond;
+  }
+  return c;
+}
+
+/// In the solid's own turning axes, with M the derivative of the offset o, e the curve's derivative and x'
+/// the velocity of its closest point, were it fixed on the curve: o' = M (x' + e s'), and s' keeps o . e = 0.
+Axis SlidingPoints::axis(const RelativeMotion& m, const Instant& now) const {
+  Axis axis;
+  if (!(distance_ > 0.0)) return axis;
+  const double outward = curve_is_a_ ? -1.0 : 1.0;  // from the solid to the segment, or back
+  const Mat3& turned = curve_is_a_ ? now.rb : now.ra;
+  const Vec3 &omega = curve_is_a_ ? m.omegaB() : m.omegaA(),
+             &other_omega = curve_is_a_ ? m.omegaA() : m.omegaB();
+  const Vec3 x = frame_ * x_, centre = turned * solid_.frame.centre;
+  // The curve's point from its own object's origin.
+  const Vec3 arm = x + centre - outward * now.d;
+  const Vec3 v = frame_.transpose() *
+                 (outward * now.d_rate + other_omega.cross(arm) - omega.cross(centre) - omega.cross(x));
+  const Mat3 stretch = solid_.stretch(x_);
+  Vec3 n = offset_ / distance_;
+  Vec3 rate = stretch * v;
+  if (slides_) {
+    const double length2 = edge_.squaredNorm();
+    // What rounding left along a segment would cost its whole length.
+    n -= edge_ * (edge_.dot(n) / length2);
+    const Vec3 stretched = stretch * edge_;
+    const double bend = edge_.dot(stretched) + curving_;
+    if (bend > 1e-12 * length2) {
+      const Vec3 edge_rate = frame_.transpose() * (other_omega - omega).cross(frame_ * edge_);
+      rate -= stretched * ((offset_.dot(edge_rate) + edge_.dot(rate)) / bend);
+    }
+  }
+  rate = (rate - n * n.dot(rate)) / distance_;
+  axis.direction = outward * (frame_ * n);
+  axis.rate = omega.cross(axis.direction) + outward * (frame_ * rate);
+  axis.valid = true;
+  return axis;
+}
+
+int edgeOf(const Element& e, const Closest& closest, bool of_a, Vec3 (&ends)[2]) {
+  int count = 0;
+  for (int i = 0; i < closest.count; ++i) {
+    const Vec3& x = of_a ? closest.point[i].local_a : closest.point[i].local_b;
+    if (std::find(ends, ends + count, x) != ends + count) continue;
+    // Points found on a rim are opposite to any point.
+    if (count == 2 || std::find(e.vertices, e.vertices + e.count, x) == e.vertices + e.count) return 0;
+    ends[count++] = x;
+  }
+  return count;
+}
+
+Closest closestOnEdges(const Cores& cores, const Closest& hint) {
+  const bool cylinder_is_a = cores.a.element->vertices == nullptr;
+  const PosedCore &cylinder = cylinder_is_a ? cores.a : cores.b, &other = cylinder_is_a ? cores.b : cores.a;
+  Closest best;
+  if (cylinder.element->vertices != nullptr || other.element->vertices == nullptr) return best;
+  const ClampingCore solid(*cylinder.element);
+  const Vec3 centre = cylinder.place(solid.frame.centre);
+  const Mat3 frame = *cylinder.rotation * solid.frame.axes;
+  Vec3 corner[4], seen[4];  // in the other's frame, and from the cylinder's centre in its own axes
+  int count = 0;
+  for (int i = 0; i < hint.count; ++i) {
+    const Vec3& x = cylinder_is_a ? hint.point[i].local_b : hint.point[i].local_a;
+    if (std::find(corner, corner + count, x) != corner + count) continue;
+    corner[count] = x;
+    seen[count++] = frame.transpose() * (other.place(x) - centre);
+  }
+  double nearest = std::numeric_limits<double>::infinity();
+  const auto offer = [&](int i, int j, double share) {
+    const Vec3 edge = seen[j] - seen[i], x = seen[i] + share * edge;
+    const Vec3 offset = solid.see(x, edge).offset, p = solid.frame.centre + solid.frame.axes * (x - offset);
+    const double distance = offset.norm();
+    if (!(distance < nearest)) return;
+    nearest = distance;
+    best.count = i == j ? 1 : 2;
+    const int ends[2] = {i, j};
+    for (int k = 0; k < best.count; ++k) {
+      const Vec3 from = seen[ends[k]] - (x - offset);
+      const Vec3 w = frame * (cylinder_is_a ? from : Vec3(-from));
+      best.point[k] = {w, cylinder_is_a ? p : corner[ends[k]], cylinder_is_a ? corner[ends[k]] : p};
+      best.weight[k] = best.count == 1 ? 1.0 : k == 0 ? 1.0 - share : share;
+    }
+    best.v = frame * (cylinder_is_a ? offset : Vec3(-offset));
+  };
+  for (int i = 0; i < count; ++i) {
+    offer(i, i, 0.0);
+    for (int j = 0; j < i; ++j) offer(i, j, solid.nearestShare(seen[i], seen[j] - seen[i], 0.5));
+  }
+  best.overlap = best.count > 0 && best.v.isZero(0.0);
+  return best;
+}
+
+}  // namespace collision_node::impact

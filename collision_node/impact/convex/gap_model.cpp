@@ -1,0 +1,403 @@
+#include "collision_node/impact/convex/gap_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "collision_node/impact/convex/closest_points.h"
+
+namespace collision_node::impact {
+namespace {
+
+constexpr double kUp = 1.0 + 64.0 * kUnit;
+
+}  // namespace
+
+/// A core that has axes of its own is placed as exactly as its corners are: within the placing error.
+MovingSupport::MovingSupport(const Element& e, const Vec3& u0, const Vec3& u1, const Vec3& u2) {
+  if (e.frame == nullptr) {
+    hull_ = &e;
+    u0_ = u0;
+    u1_ = u1;
+    u2_ = u2;
+    return;
+  }
+  const geometry::CoreFrame& frame = *e.frame;
+  centre_[0] = u0.dot(frame.centre);
+  centre_[1] = u1.dot(frame.centre);
+  centre_[2] = u2.dot(frame.centre);
+  kind_ = e.vertices == nullptr ? kCylinder : e.count == 1 ? kPoint : e.count == 2 ? kSegment : kBox;
+  if (kind_ == kPoint) return;
+  half_ = kind_ == kCylinder ? Vec3(e.rim_radius, 0.0, e.half_length) : frame.half;
+  const bool turned = !frame.aligned;
+  u0_ = turned ? Vec3(frame.axes.transpose() * u0) : u0;
+  u1_ = turned ? Vec3(frame.axes.transpose() * u1) : u1;
+  u2_ = turned ? Vec3(frame.axes.transpose() * u2) : u2;
+}
+
+double MovingSupport::at(const Vec3& u) const {
+  if (hull_ != nullptr) {
+    double value = u.dot(hull_->vertices[0]);
+    for (int i = 1; i < hull_->count; ++i) value = std::max(value, u.dot(hull_->vertices[i]));
+    return value;
+  }
+  switch (kind_) {
+    case kPoint:
+      return 0.0;
+    case kSegment:
+      return half_[2] * std::abs(u[2]);
+    case kBox:
+      return half_[0] * std::abs(u[0]) + half_[1] * std::abs(u[1]) + half_[2] * std::abs(u[2]);
+    default:
+      return half_[0] * std::sqrt(u[0] * u[0] + u[1] * u[1]) + half_[2] * std::abs(u[2]);
+  }
+}
+
+MovingSupport::Trend MovingSupport::trend() const {
+  if (hull_ != nullptr) {
+    const Vec3& x =
+        *std::max_element(hull_->vertices, hull_->vertices + hull_->count,
+                          [this](const Vec3& p, const Vec3& q) { return u0_.dot(p) < u0_.dot(q); });
+    return {u1_.dot(x), u2_.dot(x)};
+  }
+  if (kind_ == kPoint) return {0.0, 0.0};
+  const double end = std::copysign(half_[2], u0_[2]);
+  Trend t{end * u1_[2], end * u2_[2]};
+  if (kind_ == kBox) {
+    const double x = std::copysign(half_[0], u0_[0]), y = std::copysign(half_[1], u0_[1]);
+    t.rate += x * u1_[0] + y * u1_[1];
+    t.bend += x * u2_[0] + y * u2_[1];
+  } else if (kind_ == kCylinder) {
+    const double across2 = u0_[0] * u0_[0] + u0_[1] * u0_[1];
+    if (!(across2 > 0.0)) return t;
+    const double turn = u0_[0] * u1_[1] - u0_[1] * u1_[0], per = half_[0] / std::sqrt(across2);
+    t.rate += per * (u0_[0] * u1_[0] + u0_[1] * u1_[1]);
+    t.bend += per * (u0_[0] * u2_[0] + u0_[1] * u2_[1] + 0.5 * turn * turn / across2);
+  }
+  return t;
+}
+
+GapModel::SeenAxis::SeenAxis(const Axis& axis, const Mat3& rotation, const Vec3& omega, double spin,
+                             double reach)
+    : first(Vec3::Zero()), second(first), third(first), cubic(0.0), quartic(0.0) {
+  if (reach == 0.0) return;  // the origin
+  const Vec3 turning = omega.cross(axis.direction);
+  first = rotation.transpose() * axis.direction;
+  second = rotation.transpose() * (axis.rate - turning);
+  third = rotation.transpose() * omega.cross(0.5 * turning - axis.rate);
+  const double share = spin * spin * reach * (kUp / 6.0);
+  cubic = share * (3.0 * axis.rate - turning).norm();
+  quartic = share * spin;
+}
+
+GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+                   const Axis& axis, const CoreReaches& reaches)
+    : GapModel(piece, now, a, b, axis,
+               SeenAxis(axis, now.ra, piece.motion.omegaA(), piece.motion.spinA(), reaches.a),
+               SeenAxis(axis, now.rb, piece.motion.omegaB(), piece.motion.spinB(), reaches.b)) {}
+
+GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+                   const Axis& axis, const SeenAxis& from_a, const SeenAxis& from_b)
+    : direction_(axis.direction),
+      rate_(axis.rate),
+      a_(a, from_a.first, from_a.second, from_a.third),
+      // The minimum over B, written as a maximum.
+      b_(b, -from_b.first, -from_b.second, -from_b.third) {
+  const RelativeMotion& m = piece.motion;
+  length_ = direction_.norm() * kUp;
+  rate_length_ = rate_.norm() * kUp;
+  grown_ = a.radius + b.radius + piece.contact_distance;
+  level_[0] = direction_.dot(now.d) - a_.centre_[0] - b_.centre_[0];
+  level_[1] = rate_.dot(now.d) + direction_.dot(now.d_rate) - a_.centre_[1] - b_.centre_[1];
+  level_[2] = rate_.dot(now.d_rate) - a_.centre_[2] - b_.centre_[2];
+  cubic_ = from_a.cubic + from_b.cubic;
+  quartic_ = (from_a.quartic + from_b.quartic) * rate_length_;
+  if (m.maxAcceleration() > 0.0) {
+    const Vec3 acceleration = m.acceleration(now.t);
+    level_[2] += 0.5 * direction_.dot(acceleration);
+    cubic_ += (0.5 * rate_length_ * acceleration.norm() + length_ * m.jerk() / 6.0) * kUp;
+    quartic_ += rate_length_ * m.jerk() * (kUp / 6.0);
+  }
+  point_error_ = piece.point_error;
+  rate_error_ = piece.rate_error;
+  const double spin2 = m.spinA() * m.spinA() + m.spinB() * m.spinB();
+  bend_error_ = (0.5 * spin2 * length_ + (m.spinA() + m.spinB()) * rate_length_) * point_error_;
+  first_ = level_[0] - a_.first() - b_.first() - length_ * (grown_ + point_error_);
+}
+
+GapModel::Bounds GapModel::until(double end) const {
+  const double reach = length_ + end * rate_length_;
+  const double half = reach * point_error_ + 0.5 * end * reach * rate_error_;
+  double grown_middle = 0.0, grown_last = 0.0;
+  if (grown_ > 0.0) {
+    grown_middle = grown_ * (direction_ + 0.5 * end * rate_).norm();
+    grown_last = grown_ * (direction_ + end * rate_).norm();
+  }
+  Bounds bounds;
+  bounds.first = first_;
+  bounds.middle = (level_[0] + 0.5 * end * level_[1]) - a_.middle(end) - b_.middle(end) - grown_middle - half;
+  bounds.last = (level_[0] + end * (level_[1] + end * level_[2])) - a_.last(end) - b_.last(end) - grown_last -
+                end * end * (end * (cubic_ + end * quartic_) + bend_error_) -
+                reach * (point_error_ + end * rate_error_);
+  return bounds;
+}
+
+GapModel::Trend GapModel::trend() const {
+  const MovingSupport::Trend a = a_.trend(), b = b_.trend();
+  const double along = direction_.dot(rate_) / length_;
+  Trend t;
+  t.first = first_;
+  t.slope =
+      level_[1] - a.rate - b.rate - grown_ * along - rate_length_ * point_error_ - length_ * rate_error_;
+  t.bend = level_[2] - a.bend - b.bend -
+           0.5 * grown_ * (rate_length_ * rate_length_ - along * along) / length_ - bend_error_ -
+           rate_length_ * rate_error_;
+  t.cubic = cubic_;
+  t.quartic = quartic_;
+  return t;
+}
+
+double GapModel::Trend::root(double span) const {
+  double s = span;
+  const double discriminant = slope * slope - 4.0 * bend * first;
+  if (discriminant >= 0.0) {
+    const double root = slope < 0.0 ? 2.0 * first / (std::sqrt(discriminant) - slope)
+                                    : (slope + std::sqrt(discriminant)) / (-2.0 * bend);
+    if (root > 0.0 && root < s) s = root;
+  }
+  constexpr int kMost = 24;
+  constexpr double kClose = 1e-3;  // the next step squares it
+  for (int i = 0; i < kMost; ++i) {
+    const double value = at(s), rate = slopeAt(s);
+    if (!(value < 0.0)) return s;
+    const double next = rate < 0.0 ? s - value / rate : 0.0;
+    if (!(next > 0.0)) {
+      s *= 0.5;
+      continue;
+    }
+    if (s - next < kClose * s) return next;
+    s = next;
+  }
+  return s;
+}
+
+Axis axisOf(const PairPiece& piece, const Instant& now, const Closest& closest, bool rounded) {
+  Axis axis;
+  if (closest.overlap) return axis;
+  const RelativeMotion& m = piece.motion;
+  Vec3 rate[4];
+  for (int i = 0; i < closest.count; ++i) {
+    rate[i] = now.d_rate + m.omegaB().cross(now.rb * closest.point[i].local_b) -
+              m.omegaA().cross(now.ra * closest.point[i].local_a);
+  }
+  const double gap = closest.v.norm();
+  if (closest.count == 3) {
+    // The normal of the three difference points: exact however small the gap is.
+    const Vec3 e1 = closest.point[1].w - closest.point[0].w, e2 = closest.point[2].w - closest.point[0].w;
+    const Vec3 f1 = rate[1] - rate[0], f2 = rate[2] - rate[0];
+    Vec3 n = e1.cross(e2);
+    Vec3 n_rate = f1.cross(e2) + e1.cross(f2);
+    const double length = n.norm();
+    if (length > 1e-13 * e1.norm() * e2.norm()) {
+      if (n.dot(closest.v) < 0.0) {
+        n = -n;
+        n_rate = -n_rate;
+      }
+      axis.direction = n / length;
+      axis.rate = (n_rate - axis.direction * axis.direction.dot(n_rate)) / length;
+      axis.valid = true;
+      return axis;
+    }
+  }
+  if (!(gap > 0.0)) return axis;
+  axis.direction = closest.v / gap;
+  axis.valid = true;
+  if (closest.count == 2) {
+    // Stay perpendicular to the segment between the two points.
+    const Vec3 e = closest.point[1].w - closest.point[0].w;
+    const double length2 = e.squaredNorm();
+    // What rounding left along it would cost its whole length, which may be many times the gap.
+    axis.direction -= e * (e.dot(axis.direction) / length2);
+    const Vec3 along = e * (-axis.direction.dot(rate[1] - rate[0]) / length2);
+    axis.rate = along;
+    if (rounded) {
+      Vec3 v_rate = closest.weight[0] * rate[0] + closest.weight[1] * rate[1];
+      v_rate -= axis.direction * axis.direction.dot(v_rate);
+      v_rate -= e * (e.dot(v_rate) / length2);
+      axis.rate += v_rate / gap;
+    }
+  } else if (closest.count == 1 && rounded) {
+    axis.rate = (rate[0] - axis.direction * axis.direction.dot(rate[0])) / gap;
+  }
+  return axis;
+}
+
+namespace {
+
+/// Normals made unit, with their rates kept across them. Between cores that are apart every point of B lies
+/// beyond every point of A, so any two of them tell which of the two directions can have a gap.
+class AxisList {
+ public:
+  AxisList(const Instant& now, const Element& a, const Element& b)
+      : across_(now.d + now.rb * anyPoint(b) - now.ra * anyPoint(a)) {}
+
+  void add(const Vec3& n, const Vec3& n_rate, double scale) {
+    const double length = n.norm();
+    if (!(length > 1e-14 * scale)) return;
+    const double sign = n.dot(across_) < 0.0 ? -1.0 : 1.0;
+    Axis axis;
+    axis.direction = n * (sign / length);
+    axis.rate = (n_rate - n * (n.dot(n_rate) / (length * length))) * (sign / length);
+    axis.valid = true;
+    axes_.push_back(axis);
+  }
+
+  const Axes& all() const { return axes_; }
+
+ private:
+  static const Vec3& anyPoint(const Element& e) { return e.vertices == nullptr ? e.centre : e.vertices[0]; }
+
+  Axes axes_;
+  Vec3 across_;
+};
+
+/// Axis, side normals through the other's vertices, and normals of the axis with the other's edges.
+void addCylinderAxes(AxisList& axes, const Element& cylinder, const Mat3& rotation, const Vec3& origin,
+                     const Vec3& omega, const Element& other, const Mat3& other_rotation,
+                     const Vec3& other_origin, const Vec3& other_omega) {
+  const Vec3 axis = rotation * cylinder.axis;
+  axes.add(axis, omega.cross(axis), 1.0);
+  if (other.vertices == nullptr) {
+    const Vec3 second = other_rotation * other.axis;
+    axes.add(axis.cross(second), omega.cross(axis).cross(second) + axis.cross(other_omega.cross(second)),
+             1.0);
+    return;
+  }
+  if (other.count > 8) return;
+  const bool box = other.frame != nullptr && other.count == 8;
+  if (box || other.count == 3) {  // the faces against the rim
+    const auto edgeTo = [&](int i) -> Vec3 {
+      return other_rotation * (other.vertices[i] - other.vertices[0]);
+    };
+    for (const int i : {1, 2, 4}) {
+      if (!box && i > 1) break;
+      const Vec3 n = box ? edgeTo(i) : edgeTo(1).cross(edgeTo(2));
+      axes.add(n, other_omega.cross(n), box ? 0.0 : edgeTo(1).norm() * edgeTo(2).norm());
+    }
+  }
+  const Vec3 centre = origin + rotation * cylinder.centre;
+  for (int i = 0; i < other.count; ++i) {
+    const Vec3 x = other_origin + other_rotation * other.vertices[i] - centre;
+    const Vec3 across = x - axis * axis.dot(x);
+    axes.add(across, omega.cross(across), x.norm());
+    for (int j = 0; j < i; ++j) {
+      if (box && (j > 0 || (i != 1 && i != 2 && i != 4))) continue;
+      const Vec3 edge = other_rotation * (other.vertices[i] - other.vertices[j]);
+      axes.add(axis.cross(edge), omega.cross(axis).cross(edge) + axis.cross(other_omega.cross(edge)),
+               edge.norm());
+    }
+  }
+}
+
+}  // namespace
+
+Axes rimAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+             const Closest& closest) {
+  const bool cylinder_is_a = a.vertices == nullptr;
+  const Closest nearest = closestOnEdges(Cores(now, a, b), closest);
+  if (nearest.count == 0) return {};
+  const Element& cylinder = cylinder_is_a ? a : b;
+  const Mat3 &rotation = cylinder_is_a ? now.ra : now.rb, &other_rotation = cylinder_is_a ? now.rb : now.ra;
+  const RelativeMotion& m = piece.motion;
+  const Vec3 &omega = cylinder_is_a ? m.omegaA() : m.omegaB(),
+             &other_omega = cylinder_is_a ? m.omegaB() : m.omegaA();
+  const auto onCylinder = [&](int i) -> const Vec3& {
+    return cylinder_is_a ? nearest.point[i].local_a : nearest.point[i].local_b;
+  };
+  const auto onOther = [&](int i) -> const Vec3& {
+    return cylinder_is_a ? nearest.point[i].local_b : nearest.point[i].local_a;
+  };
+  const Vec3 arm = onCylinder(0) - cylinder.centre, axis = rotation * cylinder.axis;
+  Vec3 radial = rotation * (arm - cylinder.axis * cylinder.axis.dot(arm));
+  if (!(radial.norm() > 0.0)) return {};
+  radial.normalize();
+  AxisList axes(now, a, b);
+  // The closest vector, with what rounding left of it across the rim taken away: the rim's point stays
+  // extreme.
+  const Vec3 wedge = axis * axis.dot(nearest.v) + radial * radial.dot(nearest.v);
+  axes.add(wedge, omega.cross(wedge), 0.0);
+  if (nearest.count == 2) {
+    const Vec3 edge = other_rotation * (onOther(1) - onOther(0)), tangent = axis.cross(radial);
+    axes.add(edge.cross(tangent), other_omega.cross(edge).cross(tangent) + edge.cross(omega.cross(tangent)),
+             edge.norm());
+  }
+  return axes.all();
+}
+
+Axes featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b) {
+  if (a.vertices != nullptr && b.vertices != nullptr && (a.count > 3 || b.count > 3)) return {};
+  AxisList axes(now, a, b);
+  if (a.vertices == nullptr || b.vertices == nullptr) {
+    const RelativeMotion& motion = piece.motion;
+    if (a.vertices == nullptr) {
+      addCylinderAxes(axes, a, now.ra, Vec3::Zero(), motion.omegaA(), b, now.rb, now.d, motion.omegaB());
+    }
+    if (b.vertices == nullptr) {
+      addCylinderAxes(axes, b, now.rb, now.d, motion.omegaB(), a, now.ra, Vec3::Zero(), motion.omegaA());
+    }
+    return axes.all();
+  }
+  const RelativeMotion& m = piece.motion;
+  Vec3 edges_a[3], edges_b[3];
+  const int count_a = a.count == 3 ? 3 : a.count - 1, count_b = b.count == 3 ? 3 : b.count - 1;
+  for (int i = 0; i < count_a; ++i) edges_a[i] = now.ra * (a.vertices[(i + 1) % a.count] - a.vertices[i]);
+  for (int j = 0; j < count_b; ++j) edges_b[j] = now.rb * (b.vertices[(j + 1) % b.count] - b.vertices[j]);
+  if (count_a == 3) {
+    const Vec3 n = edges_a[0].cross(edges_a[1]);
+    axes.add(n, m.omegaA().cross(n), edges_a[0].norm() * edges_a[1].norm());
+  }
+  if (count_b == 3) {
+    const Vec3 n = edges_b[0].cross(edges_b[1]);
+    axes.add(n, m.omegaB().cross(n), edges_b[0].norm() * edges_b[1].norm());
+  }
+  for (int i = 0; i < count_a; ++i) {
+    for (int j = 0; j < count_b; ++j) {
+      const Vec3 n = edges_a[i].cross(edges_b[j]);
+      const Vec3 n_rate =
+          m.omegaA().cross(edges_a[i]).cross(edges_b[j]) + edges_a[i].cross(m.omegaB().cross(edges_b[j]));
+      axes.add(n, n_rate, edges_a[i].norm() * edges_b[j].norm());
+    }
+  }
+  return axes.all();
+}
+
+Apart apartFor(const GapModel& model, double span) {
+  if (!(model.first() > 0.0) || !(span > 0.0)) return {};
+  GapModel::Trend trend = model.trend();
+  constexpr int kRefits = 3, kBold = 6, kMost = 14;
+  constexpr double kInside = 1e-9, kUnsure = 0.02;
+  double end = span;
+  for (int i = 0; i < kMost; ++i) {
+    if (i < kRefits) {
+      const double root = trend.root(end);
+      // What is not in the trend goes with the third power of time.
+      const double unsure = root * root * root * (trend.cubic + root * trend.quartic) / trend.first;
+      if (root < end) end = root * (1.0 - kInside - kUnsure * std::min(1.0, unsure));
+    }
+    const GapModel::Bounds bounds = model.until(end);
+    if (bounds.positive()) return {end, bounds.last, -trend.slopeAt(end)};
+    // Features changed, or nearly all of the time was asked for. The chord to the end is about where the
+    // bound comes to zero, unless the pair recedes at first.
+    const double chord = bounds.last > 0.0 ? 0.5 : 0.9 * bounds.first / (bounds.first - bounds.last);
+    const double missed = bounds.last - trend.at(end);
+    if (i + 1 < kRefits && missed < 0.0 && !(bounds.last > 0.0)) {
+      trend.bend += missed / (end * end);
+      end *= 1.0 - 1e-6;
+    } else {
+      end *= i < kBold ? std::max(0.25, chord) : chord;
+    }
+  }
+  return {};
+}
+
+}  // namespace collision_node::impact

@@ -1,0 +1,43 @@
+/// Where two elements touch, with hard error bounds: the ball, the normal and its cone, the features.
+#pragma once
+
+#include "collision_node/impact/convex/contact_view.h"
+#include "collision_node/impact/walk/search.h"
+
+namespace collision_node::impact {
+
+/// What may have happened since a bracket opened on an earlier piece.
+struct Earlier {
+  double distance = 0.0;  ///< [m] that any point may have moved, in the world or against the other body
+  double angle = 0.0;     ///< [rad] that both bodies may have turned, together
+};
+
+struct ContactFacts {
+  Vec3 position = Vec3::Zero();           ///< world axes, relative to A's origin at the reference instant [m]
+  double position_error = 0.0;            ///< [m] see describeContact()
+  Vec3 normal = Vec3::Zero();             ///< unit, from A to B; NaN when unknown
+  double normal_error = 0.0;              ///< [rad]
+  Vec3 relative_velocity = Vec3::Zero();  ///< v_b - v_a of the material points at `position` [m/s]
+  double closing_speed = 0.0;             ///< [m/s]
+  Side a, b;                              ///< features, elements and witness points; not the poses
+};
+
+/// Facts of the contact of one pair of elements that begins or ends within `span` seconds of `now`.
+///
+/// Guarantee: every point that the two elements share at the first (or last) instant of this contact, if that
+/// instant lies within `span` of now.t, is within position_error of `position` + A's origin at now.t (world);
+/// the common support plane there has its normal within normal_error of `normal`. Derivation: docs/solver.md,
+/// "The ball".
+/// `parting` (may be null) proposes a normal, `start` closest points; any would do. `apart_at` [s] lies on
+/// the side in time on which the pair is apart: 0 for an impact, the piece's end for a separation.
+ContactFacts describeContact(const PairPiece& piece, const Instant& now, double span, ElementPair pair,
+                             double apart_at, const Earlier& earlier, const Parting* parting,
+                             const Closest& start, ViewBuffers& buffers);
+
+/// No pair is known (the budget ran out): a ball that holds all shared points within `span` of now.
+ContactFacts describeUnknown(const PairPiece& piece, const Instant& now, double span);
+
+/// Facts of an overlap that was not seen to begin: a shared point, and a ball that holds all shared points.
+ContactFacts describeOverlap(const PairPiece& piece, const Instant& now, const ContactWitness& witness);
+
+}  // namespace collision_node::impact

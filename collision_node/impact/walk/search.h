@@ -1,0 +1,148 @@
+/// Where in time can two bodies touch? A depth-first walk over both hierarchies with time clipping.
+///
+/// Guarantee: a time that firstPossible() passes over, and an instant that classify() calls apart, is proved
+/// free of contact between surfaces (closed meshes may hold each other: inside.h). Everything else is
+/// reported, never dropped. Source of the walk and its bounds: docs/solver.md, "The node test".
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "collision_node/impact/convex/contact_view.h"
+#include "collision_node/impact/convex/pair_steps.h"
+#include "collision_node/impact/proof/contact_proof.h"
+#include "collision_node/impact/straight/straight_path.h"
+#include "collision_node/impact/walk/node_test.h"
+#include "collision_node/impact/walk/revolution_shell.h"
+#include "collision_node/impact/workspace.h"
+
+namespace collision_node::impact {
+
+struct ElementPair {
+  std::int32_t a = -1, b = -1;
+};
+
+/// More are never asked for.
+using NearPairs = boost::container::static_vector<ElementPair, 64>;
+
+/// What is proved of one instant.
+enum class Proved { kApart, kContact, kNothing };
+
+class Search {
+ public:
+  /// `straight` is the pair as a path, where it is one.
+  Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& workspace,
+         std::optional<StraightPath> straight = std::nullopt);
+
+  struct First {
+    bool found = false;
+    double time = 0.0;  ///< [from, time) is proved free
+    ElementPair pair;   ///< what could not be proved apart there; -1 when the budget ran out
+  };
+
+  /// The first time in [from, to] that is not proved free. Steps shorter than `stop` are not refined further.
+  /// With a window, nearPairs() of times in [first.time, first.time + window] needs no walk of its own.
+  First firstPossible(double from, double to, double stop, double window = 0.0);
+
+  /// The pair as a straight path, if it is one; null otherwise.
+  const StraightPath* straight() const { return straight_ ? &*straight_ : nullptr; }
+  /// The proof, where the last firstPossible() ended with a proved contact at `time` on a straight path; else
+  /// null.
+  const PathContact* provedAt(double time) const;
+
+  /// What parted the pair until the last firstPossible() stopped, where that was at `time` or less than its
+  /// window before; else null.
+  const Parting* partingAt(double time, ElementPair pair) const;
+
+  /// About the closest points of the pair by which it stopped, at a time behind; else none.
+  Closest closestAt(double time, ElementPair pair) const;
+
+  /// Surfaces, then solids, at one instant. kContact fills `witness`; with a horizon > 0 the witness is,
+  /// among those found, the one that provably lasts longest within [t, t + horizon].
+  Proved classify(double t, ContactWitness* witness, double horizon = 0.0);
+
+  /// The same for the surfaces of one pair of elements, which need no walk.
+  Proved classifyPair(double t, ElementPair pair, ContactWitness* witness);
+
+  /// Pairs of elements not proved apart throughout [from, to], at most `limit` (<= 64).
+  NearPairs nearPairs(double from, double to, std::size_t limit);
+
+  /// The part of the piece's time outside of which no point of one body can come within reach of the other.
+  const Span& withinReach() const { return reach_; }
+
+  void countTest() { ++node_tests_; }
+  bool exhausted() const { return node_tests_ > budget_; }
+  std::uint64_t nodeTests() const { return node_tests_; }
+  std::uint64_t subdivisions() const { return slabs_.subdivisions(); }
+  const PairPiece& piece() const { return piece_; }
+
+ private:
+  /// A pair of nodes and the part of its slab in which they can touch.
+  struct Item {
+    std::int32_t a, b, slab;
+    Span span;
+  };
+
+  /// What is to be done with an item.
+  struct Todo {
+    enum Kind { kElements, kHalve, kTest } kind;
+    bool of_a;                    ///< kTest: A's children with B's node; else the other way round
+    std::int32_t link_a, link_b;  ///< BvhNode::link
+  };
+
+  /// A pair that is proved apart before `time`.
+  struct Near {
+    ElementPair pair;
+    double time;
+    Parting parting;  ///< invalid axis: none
+  };
+
+  Span reachOf(const PairPiece& piece) const;
+  Todo todo(Item& item);
+  void pushChildren(const Item& item, const Todo& todo, unsigned lanes, const Span spans[], double until);
+  Proved classifyElements(const Instant& now, const Element& a, const Element& b, const Closest& start,
+                          ContactWitness& witness) const;
+  /// Of what classify() found: what lasts longest.
+  bool longestLasting(double t, double horizon, ContactWitness* witness);
+
+  template <typename Leaf>
+  void walk(double from, double to, Leaf&& leaf);
+
+  const PairPiece& piece_;
+  const Span reach_;
+  const NodeTest test_;
+  std::uint64_t budget_, node_tests_ = 0;
+  std::unique_ptr<ShellPair> shells_;  ///< null when nothing turns far
+  Workspace* workspace_of_shells_;
+  std::optional<StraightPath> straight_;
+  PathContact path_contact_;
+  TimeSlabs slabs_;
+  std::vector<Item>& stack_;
+  /// Every pair of elements that is not proved apart throughout [near_from_, near_to_] is among these.
+  std::vector<Near>& near_;
+  std::vector<ContactWitness>& found_;  ///< by classify()
+  double near_from_ = std::numeric_limits<double>::infinity(), near_to_ = 0.0;
+  double stopped_at_ = std::numeric_limits<double>::infinity();  ///< the last firstPossible()
+  ElementPair stopped_by_;   ///< and which pair it could not part any longer
+  Closest stopped_closest_;  ///< their closest points, about
+
+  friend struct Workspace::Buffers;
+};
+
+/// What the walks keep between calls: capacity only.
+struct Workspace::Buffers {
+  std::vector<Slab> slabs;
+  std::vector<Search::Item> stack;
+  std::vector<Search::Near> near;
+  std::vector<ContactWitness> found;
+  ViewBuffers views;
+  std::unique_ptr<Workspace> shells;  ///< null until a body turns far
+
+  Workspace& forShells() {
+    if (!shells) shells = std::make_unique<Workspace>();
+    return *shells;
+  }
+};
+
+}  // namespace collision_node::impact
