@@ -95,7 +95,9 @@ Truth truthOf(const Case& c, const Pair& pair) {
 
   describeContact(pair, truth);
   const Real v = truth.closing_speed;
-  if (!truth.normal_known || !(v > 0)) return truth;
+  // What spins fast has a speed along a normal that is a little off, however slowly it comes.
+  const bool speed_known = v > 2 * pair.maxSpeed() * truth.normal_spread;
+  if (!truth.normal_known || !speed_known || !(v > 0)) return truth;
   truth.width = std::max<Real>(c.options.time_precision, 8 * truth.budget / v);
   const bool inner = truth.first.lo > truth.width && truth.first.hi + 2 * truth.width < pair.duration();
   const bool two_points = pair.a().only_points && pair.b().only_points;  // meet only by rounding

@@ -33,7 +33,7 @@ Keys keysOfTheReader() {
   const std::regex call(
       R"re((?:\b(?:real|reals|vec3|text|flag|whole|choice|find|map|has|readList)\(|needReal\(\w+,\s*)"(\w+)")re");
   for (const char* file : {"scene_file", "object_reader", "source_reader", "pair_reader", "map_reader"})
-    collect(textOf(std::string("collision_node/scene/") + file + ".cpp"), call, keys);
+    collect(textOf(std::string("collision_node/scene/file/") + file + ".cpp"), call, keys);
   // The shapes are a list of words.
   const std::string reader = textOf("collision_node/scene/file/object_reader.cpp");
   const auto from = reader.find("kShapeKeys = {");
