@@ -137,6 +137,12 @@ TEST(Fuzz, FoundMistakesOfTheOracle) {
   expectNoComplaint(fuzz::makeWideCase, 7, 11381);
 }
 
+/// Common speeds summed by components made a straight path's budget too large; of a capsule that leaves a
+/// cylinder too short a time was asked for to be proved apart.
+TEST(Fuzz, FoundBracketsOfCommonSpeedsAndOfPartingsWithinW) {
+  for (const int index : {6036, 6522, 7616, 16094, 16467}) expectNoComplaint(fuzz::makeWideCase, 7, index);
+}
+
 /// A point through the hub of a fan with a triangle twice: no patch was proved to be passed.
 TEST(Fuzz, FoundPassageThroughDuplicatedTriangles) { expectNoComplaint(fuzz::makeEdgeCase, 3, 323); }
 

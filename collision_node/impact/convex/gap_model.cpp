@@ -374,7 +374,9 @@ Axes featureAxes(const PairPiece& piece, const Instant& now, const Element& a, c
 Apart apartFor(const GapModel& model, double span) {
   if (!(model.first() > 0.0) || !(span > 0.0)) return {};
   GapModel::Trend trend = model.trend();
-  constexpr int kRefits = 3, kBold = 6, kMost = 14;
+  constexpr int kRefits = 3, kMost = 14;
+  // Of a pair that recedes the chord tells nothing until the end is near.
+  const int bold = trend.slope > 0.0 ? kMost - 3 : 6;
   constexpr double kInside = 1e-9, kUnsure = 0.02;
   double end = span;
   for (int i = 0; i < kMost; ++i) {
@@ -394,7 +396,7 @@ Apart apartFor(const GapModel& model, double span) {
       trend.bend += missed / (end * end);
       end *= 1.0 - 1e-6;
     } else {
-      end *= i < kBold ? std::max(0.25, chord) : chord;
+      end *= i < bold ? std::max(0.25, chord) : chord;
     }
   }
   return {};

@@ -17,8 +17,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSlowest = 1e-150;  ///< [m/s] below, reciprocals of velocities might overflow
 constexpr double kUp = 1.0 + 64.0 * kUnit;
 
-double sumOf(const Vec3& v) { return std::abs(v.x()) + std::abs(v.y()) + std::abs(v.z()); }
-
 /// Without a branch for each number; NaN is not zero.
 inline bool areZero(const double* numbers, int count) {
   std::uint64_t all = 0;
@@ -88,11 +86,15 @@ void StraightPath::setBudget(const Piece& piece) {
   const Vec3 end = line_.d + duration * line_.rate;
   speed_ = line_.rate.norm() * kUp;
   max_distance_ = std::sqrt(std::max(line_.d.squaredNorm(), end.squaredNorm())) * kUp;
-  const double own_speeds = sumOf(piece.a.c[1]) + sumOf(piece.b.c[1]);
+  const Vec3 &rate_a = piece.a.c[1], &rate_b = piece.b.c[1];
+  const bool a_stands = isZero(rate_a),
+             b_stands = isZero(rate_b);  // then the other's speed is the relative one
+  const double speed_a = a_stands ? 0.0 : b_stands ? speed_ : rate_a.norm() * kUp;
+  const double speed_b = b_stands ? 0.0 : a_stands ? speed_ : rate_b.norm() * kUp;
   const double magnitude = max_distance_ + speed_ * (2.0 * line_.reach + std::abs(line_.offset_b)) +
-                           2.0 * own_speeds * std::abs(line_.shift);
+                           2.0 * speed_a * std::abs(line_.shift);
   const double translation =
-      kUnit * (motion::kTermRounding * magnitude + motion::kLineRounding * line_.reach * own_speeds);
+      kUnit * (motion::kTermRounding * magnitude + motion::kLineRounding * line_.reach * (speed_a + speed_b));
   const double distance = max_distance_ + reach + contact_distance_;
   point_error_ = 2.0 * (translation + kTurnError * reach + mesh_->placingError() + single_->placingError()) +
                  64.0 * kUnit * (distance + speed_ * duration);
