@@ -22,9 +22,8 @@ struct MarkerOptions {
 
 /// Builds marker arrays in the world frame. Namespaces: impact/point, impact/normal, impact/bound,
 /// impact/label (not for separations; ids: the low 31 bits of event_id) and body (ids: the link's number in
-/// the scene, so a body moves to its newest impact). Nothing is triangulated before it is asked for. Colours
-/// of impact/point: confirmed impact red (1, 0, 0), separation blue, initial overlap yellow, possible orange,
-/// uncertified magenta.
+/// the scene, so a body moves to its newest impact). Colours of impact/point: confirmed impact red (1, 0, 0),
+/// separation blue, initial overlap yellow, possible orange, uncertified magenta.
 class Markers {
  public:
   Markers(std::shared_ptr<const scene::Scene> scene, MarkerOptions options = {});
@@ -39,15 +38,14 @@ class Markers {
 
  private:
   using Array = visualization_msgs::MarkerArray;
-  void makeBodies();
+  void makeBodies();  // with the first message: who sends none pays for no triangles
   void addStart(const ros::Time& stamp, Array& out);
   void addBody(std::size_t object, const geometry::Pose& pose, const ros::Time& stamp, Array& out) const;
   void addSide(const scene::EventSide& side, const ros::Time& stamp, Array& out) const;
 
   std::shared_ptr<const scene::Scene> scene_;
   MarkerOptions options_;
-  std::vector<visualization_msgs::Marker>
-      bodies_;  // one per watched object's link that has shapes, pose left open
+  std::vector<visualization_msgs::Marker> bodies_;  // of watched objects' links with shapes, pose left open
   std::vector<std::vector<int>> body_of_link_;  // [object][link] -> index into bodies_, -1: nothing to draw
   std::deque<std::int32_t> shown_;
   std::uint32_t epoch_ = 0;

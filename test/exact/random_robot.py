@@ -138,12 +138,11 @@ def random_poses(rng, start, seconds, offset, room, turn):
 
 
 def with_twists(rng, poses, motion):
-    """The same positions with velocities; for `spin`, orientations that turn about one axis at up to some turns a step."""
-    rate = np.array([rng.gauss(0, rng.choice([3, 100])) for _ in range(3)])
+    """The same positions with velocities of their own, turning about one axis; for `spin` by up to some turns a step."""
+    rate = np.array([rng.gauss(0, 100 if motion == 'spin' and rng.random() < 0.5 else 3) for _ in range(3)])
     found = []
-    for stamp, position, turn in poses:
-        if motion == 'spin':
-            half = np.linalg.norm(rate) * (stamp - poses[0][0]) * 1e-9 / 2
-            turn = times(np.append(np.sin(half) * rate / np.linalg.norm(rate), np.cos(half)), np.array(poses[0][2]))
+    for stamp, position, _ in poses:
+        half = np.linalg.norm(rate) * (stamp - poses[0][0]) * 1e-9 / 2
+        turn = times(np.append(np.sin(half) * rate / np.linalg.norm(rate), np.cos(half)), np.array(poses[0][2]))
         found.append((stamp, position, turn, np.array([rng.gauss(0, 10) for _ in range(3)]), rate))
     return found

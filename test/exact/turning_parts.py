@@ -72,13 +72,16 @@ class Robot:
 
     def __init__(self, links, sent, motion='slerp'):
         self.links, self.sent, self.motion = links, sent, motion
-        self.poses = sent[0][1] if len(sent) == 1 else composed(sent[0][1], sent[1][1])
+        self.poses = composed(sent[0][1], sent[1][1]) if self.rides() else sent[0][1]
         self.balls = {}
         for name, parts in links.items():
             corners = np.concatenate([p.corners for p in parts])
             centre = (corners.min(axis=0) + corners.max(axis=0)) / 2
             self.balls[name] = centre, max(np.linalg.norm(p.corners - centre, axis=1).max() + p.radius for p in parts)
         self.reach = max(np.linalg.norm(p.corners, axis=1).max() + p.radius for parts in links.values() for p in parts)
+
+    def rides(self):
+        return len(self.sent) > 1
 
     def piece(self, begin, origin):
         return Piece(self.poses, begin, origin, self.motion)

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "collision_node/impact/convex/gap_model.h"
+#include "collision_node/impact/straight/straight_path.h"
 #include "test/impact/moving_pair.h"
 #include "test/oracle/interval_path.h"
 #include "test/oracle/stamped_motion.h"
@@ -188,6 +189,44 @@ TEST(RoundingBudget, EveryPointDifferenceAndEveryGapValueIsWithinIt) {
   std::printf("largest share used: displacement %.3f, point difference %.3f, gap value %.3f\n",
               worst_distance, worst_point, worst_gap);
   EXPECT_GT(worst_point, 1e-3) << "a budget that is never used would hide a solver that is needlessly unsure";
+}
+
+TEST(RoundingBudget, AStraightPathIsWithinItAndItIsNoLargerThanThatOfThePair) {
+  // "the exact path stays within error() of at(t) for every t of the piece"
+  double worst = 0, largest_share = 0;
+  for (int i = 0; i < 4000; ++i) {
+    Random random(kSeed + 2, i);
+    SCOPED_TRACE("seed " + std::to_string(kSeed + 2) + " index " + std::to_string(i));
+    const double size = random.decade(-6, 6);
+    Piece piece = sweep(random, size);
+    const bool point_is_a = random.chance(0.5), spins = random.chance(0.3);
+    for (RigidMotion* m : {&piece.a, &piece.b}) {
+      m->c[2] = m->c[3] = Vec3::Zero();
+      if (!spins || (m == &piece.a) != point_is_a) m->omega = Vec3::Zero();
+    }
+    const Body mesh({moving::mesh(
+        {moving::randomVec(random, size), moving::randomVec(random, size), moving::randomVec(random, size)},
+        {{0, 1, 2}})});
+    const Vec3 centre = spins ? Vec3(Vec3::Zero()) : moving::randomVec(random, size);
+    const Body point({moving::placed(geometry::Sphere{random.chance(0.5) ? 0.0 : size}, centre)});
+    const Body &a = point_is_a ? point : mesh, &b = point_is_a ? mesh : point;
+    const auto path = StraightPath::of(a, b, piece, 0.0);
+    if (!path) continue;  // neither moves past the other
+    const double duration = path->duration(), t = random.chance(0.2) ? duration : random.in(0, duration);
+    const IntervalPath of_point(point_is_a ? piece.a : piece.b, piece.start_ns),
+        of_mesh(point_is_a ? piece.b : piece.a, piece.start_ns);
+    const I3 exact = plus(minus(of_point.position(t), of_mesh.position(t)),
+                          of_point.rotated(of_point.turn(t), interval3(centre)));
+    const I3 computed = of_mesh.rotated(of_mesh.turn(t), interval3(path->at(t)));
+    const double off = upper(lengthOf(minus(computed, exact)));
+    worst = std::max(worst, off / path->error());
+    ASSERT_LE(off, path->error());
+    // solver.md: brackets are stated in the pair's budget, so a larger one of its own would widen them.
+    const double share = path->pointError() / PairPiece(a, b, piece, 0.0).point_error;
+    largest_share = std::max(largest_share, share);
+    ASSERT_LE(share, 1.0 + 1e-12);
+  }
+  std::printf("largest share used %.3f; largest budget %.3f of the pair's\n", worst, largest_share);
 }
 
 TEST(RoundingBudget, TheMotionsThatPosesMeanAreWithinItToo) {

@@ -55,19 +55,34 @@ TEST(EngineBreaks, AFrozenObjectIsMetWhereItStoppedButNotCertified) {
   EXPECT_TRUE(rig.engine.stats().uncovered_objects.empty());
 }
 
+/// A sleeper (object 1) froze at 17 m after 0.2 s. A slow ball (2), a pose a second, meets it at 3.2 s,
+/// between two of its stamps. A clock (0) stands at 3.6 s, and the watermark at the slow one's last stamp
+/// before that.
+struct BesideASleeper {
+  static std::shared_ptr<Scene> scene() {
+    Object sleeper = movingSphere("sleeper");
+    sleeper.on_timeout = OnTimeout::kFreeze;
+    const auto scene = sceneOf({movingSphere("clock"), sleeper, movingSphere("slow")});
+    scene->stats_period = 100.0;  // a heartbeat would solve what waits
+    return scene;
+  }
+  Rig rig{scene()};
+
+  BesideASleeper() {
+    rig.feedLine(1, 0, 200, 100, 17.0, 0.0);
+    for (Nanoseconds t = 0; t <= 5000; t += 100) {
+      if (t % 1000 == 0) rig.engine.addPose(2, poseAt(t, 0.005 * static_cast<double>(t)));
+      if (t >= 1400) rig.engine.addPose(0, poseAt(t - 1400, 100.0));
+    }
+    EXPECT_TRUE(rig.events.empty());
+    EXPECT_EQ(rig.engine.stats().watermark_ns, 3000 * kMs);
+  }
+};
+
 // engine.h: "everything before it is decided and published"
 TEST(EngineBreaks, TheWatermarkWaitsForWhatMovesBesideAFrozenObject) {
-  Object sleeper = movingSphere("sleeper");
-  sleeper.on_timeout = OnTimeout::kFreeze;
-  Rig rig(sceneOf({movingSphere("clock"), sleeper, movingSphere("slow")}));
-  rig.feedLine(1, 0, 200, 100, 17.0, 0.0);
-  for (Nanoseconds t = 0; t <= 5000; t += 100) {
-    // Meets the sleeper at 3.2 s, between two of its stamps.
-    if (t % 1000 == 0) rig.engine.addPose(2, poseAt(t, 0.005 * static_cast<double>(t)));
-    if (t >= 1400) rig.engine.addPose(0, poseAt(t - 1400, 100.0));
-  }
-  EXPECT_TRUE(rig.events.empty());
-  EXPECT_EQ(rig.engine.stats().watermark_ns, 3000 * kMs);
+  BesideASleeper beside;
+  Rig& rig = beside.rig;
   rig.feedLine(0, 3700, 5000, 100, 100.0, 0.0);
   EXPECT_EQ(rig.engine.stats().watermark_ns, 4000 * kMs);
   ASSERT_EQ(kinds(rig.events), (Kinds{"IMPACT/UNCERTIFIED/TIMEOUT", "SEPARATION/UNCERTIFIED/TIMEOUT"}));
@@ -77,18 +92,9 @@ TEST(EngineBreaks, TheWatermarkWaitsForWhatMovesBesideAFrozenObject) {
 // engine.h: "Every event of earlier epochs, and of `epoch` up to and including `stamp_ns`, has been
 // published."
 TEST(EngineBreaks, AFrozenObjectThatComesBackDecidesNothing) {
-  Object sleeper = movingSphere("sleeper");
-  sleeper.on_timeout = OnTimeout::kFreeze;
-  const auto scene = sceneOf({movingSphere("clock"), sleeper, movingSphere("slow")});
-  scene->stats_period = 100.0;  // a heartbeat would solve what waits
-  Rig rig(scene);
-  rig.feedLine(1, 0, 200, 100, 17.0, 0.0);
-  for (Nanoseconds t = 0; t <= 5000; t += 100) {
-    if (t % 1000 == 0) rig.engine.addPose(2, poseAt(t, 0.005 * static_cast<double>(t)));
-    if (t >= 1400) rig.engine.addPose(0, poseAt(t - 1400, 100.0));
-  }
-  ASSERT_EQ(rig.engine.stats().watermark_ns, 3000 * kMs);
-  // Whether it waits or is released, the contact at 3.2 s is not published: the clock stands at 3.5 s.
+  BesideASleeper beside;
+  Rig& rig = beside.rig;
+  // Whether it waits or is released, the contact at 3.2 s is not published.
   for (const Nanoseconds t : {5000, 5200}) {
     rig.engine.addPose(1, poseAt(t, 17.0));
     EXPECT_TRUE(rig.events.empty());

@@ -79,20 +79,19 @@ StraightPath::StraightPath(const Pair& pair)
 }
 
 /// PairPiece's, for bodies that do not turn: the spin of a vertex at its own origin moves nothing. The
-/// distance of the origins is convex in time, so its ends bound it; that of the segments' first poses is at
-/// most what it is at the piece's start and what the two moved since.
+/// distance of the origins is convex in time, so its ends bound it.
 void StraightPath::setBudget(const Piece& piece) {
   const double reach = mesh_->reach() + single_->reach(), duration = line_.duration;
   const Vec3 end = line_.d + duration * line_.rate;
   speed_ = line_.rate.norm() * kUp;
   max_distance_ = std::sqrt(std::max(line_.d.squaredNorm(), end.squaredNorm())) * kUp;
   const Vec3 &rate_a = piece.a.c[1], &rate_b = piece.b.c[1];
-  const bool a_stands = isZero(rate_a),
-             b_stands = isZero(rate_b);  // then the other's speed is the relative one
+  // Where one stands, the other's speed is the relative one.
+  const bool a_stands = isZero(rate_a), b_stands = isZero(rate_b);
   const double speed_a = a_stands ? 0.0 : b_stands ? speed_ : rate_a.norm() * kUp;
   const double speed_b = b_stands ? 0.0 : a_stands ? speed_ : rate_b.norm() * kUp;
-  const double magnitude = max_distance_ + speed_ * (2.0 * line_.reach + std::abs(line_.offset_b)) +
-                           2.0 * speed_a * std::abs(line_.shift);
+  const double magnitude =
+      (piece.b.c[0] - piece.a.c[0]).norm() + 2.0 * speed_ * line_.reach + speed_a * std::abs(line_.shift);
   const double translation =
       kUnit * (motion::kTermRounding * magnitude + motion::kLineRounding * line_.reach * (speed_a + speed_b));
   const double distance = max_distance_ + reach + contact_distance_;
