@@ -19,13 +19,25 @@ Workspace& ownWorkspace() {
   return workspace;
 }
 
+/// What needs no search: a straight shot, or paths out of reach.
+std::optional<PieceOutcome> withoutSearch(const Body& a, const Body& b, const Piece& piece,
+                                          const PairOptions& options, bool known_apart,
+                                          std::vector<PairEvent>* events) {
+  if (auto outcome = shoot(a, b, piece, options, known_apart, events)) return outcome;
+  if (!outOfReach(a, b, piece, options.contact_distance)) return std::nullopt;
+  PieceOutcome outcome;
+  outcome.answer = Answer::kCulled;
+  return outcome;
+}
+
 class Certified : public PairMethod {
  public:
   Certified(const Body& a, const Body& b, const PairOptions& options) : a_(a), b_(b), options_(options) {}
 
   PieceOutcome advance(const Piece& piece, PairState& state, std::vector<PairEvent>& events) const override {
     if (state.phase == Phase::kNew || state.phase == Phase::kApart) {
-      if (const auto outcome = shoot(a_, b_, piece, options_, state.phase == Phase::kApart, nullptr)) {
+      const bool known_apart = state.phase == Phase::kApart;
+      if (const auto outcome = withoutSearch(a_, b_, piece, options_, known_apart, nullptr)) {
         state.phase = Phase::kApart;
         state.decided_ns = piece.end_ns;
         state.last_piece = piece;
@@ -90,7 +102,8 @@ void solve(const Body& a, const Body& b, const Piece& piece, const PairOptions& 
            Solution& solution) {
   solution.events.clear();
   const bool first_only = options.scope == Scope::kFirstContact;
-  if (const auto outcome = shoot(a, b, piece, options, false, first_only ? &solution.events : nullptr)) {
+  if (const auto outcome =
+          withoutSearch(a, b, piece, options, false, first_only ? &solution.events : nullptr)) {
     solution.verdict = outcome->answer;
     solution.budget_met = false;
     solution.node_tests = outcome->node_tests;
@@ -100,8 +113,10 @@ void solve(const Body& a, const Body& b, const Piece& piece, const PairOptions& 
   const PairPiece pair(a, b, piece, options.contact_distance);
   PairState state;
   const PieceOutcome outcome = PieceRun(pair, piece, options, workspace, state, solution.events).run();
-  state.last_piece = piece;
-  if (state.phase == Phase::kUndecided) Certified(a, b, options).finish(state, solution.events);
+  if (state.phase == Phase::kUndecided) {
+    state.last_piece = piece;
+    Certified(a, b, options).finish(state, solution.events);
+  }
   solution.verdict = outcome.answer;
   solution.budget_met = outcome.budget_met;
   solution.node_tests = outcome.node_tests;

@@ -150,6 +150,9 @@ double ContactView::normalCone(double moved, double known) const {
   double best_sine = known_sine, done = -1.0;  // every difference up to this height is used
   used.clear();
   Vec2 low = Vec2::Constant(kInfinity), high = -low;  // of what is used
+  // Behind the edge that was in the last disc's way, nothing larger fits before a point lies beyond it.
+  Vec2 blocked = Vec2::Zero();
+  double beyond = kInfinity;
   while (used.size() <= kEnough) {
     double next = kInfinity;
     for (const SeenPoint& p : a) {
@@ -173,15 +176,17 @@ double ContactView::normalCone(double moved, double known) const {
         const Vec2 x = q.across - p.across;
         low = low.cwiseMin(x);
         high = high.cwiseMax(x);
+        beyond = std::max(beyond, blocked.dot(x));
         used.push_back(x);
       }
       if (used.size() > kMost) break;
     }
     done = level;
     if (used.size() < 3) continue;
-    const double most = std::min((-low).minCoeff(), high.minCoeff());  // of the disc about the origin
+    const double most = std::min({(-low).minCoeff(), high.minCoeff(), beyond});  // of the disc about the origin
     if (!(moved + highest < best_sine * most)) continue;
-    const double l = discInHull(used, buffers_.scratch);
+    const double l = discInHull(used, buffers_.scratch, &blocked);
+    beyond = blocked.isZero(0.0) ? kInfinity : l;
     if (l > moved + highest) best_sine = std::min(best_sine, (moved + highest) / l);
   }
   return best_sine < known_sine ? std::asin(best_sine) * (1.0 + 64.0 * kUnit) : known;

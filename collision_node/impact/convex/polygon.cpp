@@ -90,14 +90,18 @@ void enclosingDisc(const Polygon& points, Vec2* centre, double* radius) {
   for (const Vec2& v : points) *radius = std::max(*radius, (v - *centre).norm());
 }
 
-double discInHull(Polygon& points, Polygon& hull) {
+double discInHull(Polygon& points, Polygon& hull, Vec2* out) {
   convexHull(points, hull);
+  if (out != nullptr) out->setZero();
   if (hull.size() < 3) return 0.0;
   double radius = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Vec2 edge = hull[(i + 1) % hull.size()] - hull[i];
     const double length = edge.norm();
-    if (length > 0.0) radius = std::min(radius, cross(edge, -hull[i]) / length);
+    const double inside = length > 0.0 ? cross(edge, -hull[i]) / length : radius;
+    if (!(inside < radius)) continue;
+    radius = inside;
+    if (out != nullptr) *out = Vec2(edge.y(), -edge.x()) / length;
   }
   return std::max(0.0, radius);
 }

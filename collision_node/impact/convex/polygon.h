@@ -22,7 +22,8 @@ void grownIntersection(const Polygon& p, double grow_p, const Polygon& q, double
 void enclosingDisc(const Polygon& points, Vec2* centre, double* radius);
 
 /// Largest r such that the disc of radius r about the origin lies in the hull of `points`; 0 when outside.
-/// Sorts `points`; `hull` receives their hull.
-double discInHull(Polygon& points, Polygon& hull);
+/// Sorts `points`; `hull` receives their hull, `out` (may be null) the unit normal of the edge that is in the
+/// way: with more points r is at most their farthest along it. Zero where there is no such edge.
+double discInHull(Polygon& points, Polygon& hull, Vec2* out = nullptr);
 
 }  // namespace collision_node::impact
