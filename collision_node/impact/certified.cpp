@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "collision_node/impact/facts/event_writer.h"
+#include "collision_node/impact/out_of_reach.h"
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/impact/piece_run.h"
 #include "collision_node/impact/solve.h"

@@ -28,10 +28,6 @@ struct Widths {
   double floor, wanted;  ///< [s]
 };
 
-/// Do straight paths keep the two out of each other's reach throughout? False says nothing. Asked before
-/// anything is made for the pair; derivation: docs/solver.md, "Out of reach".
-bool outOfReach(const Body& a, const Body& b, const Piece& piece, double contact_distance);
-
 /// Both poses at one instant, in world axes relative to A's origin.
 struct Instant {
   double t = 0.0;

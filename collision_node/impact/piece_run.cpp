@@ -208,14 +208,14 @@ void PieceRun::confirm(double from, double at, const ContactWitness& found,
   ElementPair pair{found.element_a, found.element_b};
   const bool sure_of_pair = pair.a >= 0;
   if (!sure_of_pair) pair = opened_.a >= 0 ? opened_ : writer_.anyNear(from, at);
-  PairEvent event = state_.pending;
+  events_.push_back(state_.pending);
+  PairEvent& event = events_.back();
   event.kind = Kind::kImpact;
   writer_.finishImpact(event, from, at, pair, state_, sure_of_pair);
   event.certificate = Certificate::kConfirmed;
   event.reason =
       event.toi_upper - event.toi_lower > options_.time_precision ? Reason::kPrecision : Reason::kNone;
-  events_.push_back(event);
-  state_.contact = event;
+  if (options_.scope == Scope::kWholePiece) state_.contact = event;
   state_.phase = Phase::kTouching;
 }
 

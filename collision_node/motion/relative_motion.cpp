@@ -70,34 +70,38 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
   d_[2] = Vec3::Zero();
   d_[3] = Vec3::Zero();
   const double oa = offset_a_, ob = offset_b_, reach = line.reach;
-  if (!b.c[2].isZero(0.0) || !b.c[3].isZero(0.0) || !a.c[2].isZero(0.0) || !a.c[3].isZero(0.0)) {
+  const double speed_a = a.c[1].norm(), speed_b = b.c[1].norm();
+  const bool straight_a = a.c[2].isZero(0.0) && a.c[3].isZero(0.0),
+             straight_b = b.c[2].isZero(0.0) && b.c[3].isZero(0.0);
+  // Every term that was rounded, at its largest over both segments' shares of time. What both objects have in
+  // common never was, but for the rounding of each one's own coefficients: a line's velocity (difference,
+  // duration, quotient), and what a cubic's bend owes to the velocities it is computed from.
+  double magnitude = line.magnitude(a, b);
+  if (!straight_a || !straight_b) {
     d_[0] += (b.c[2] + b.c[3] * ob) * (ob * ob) - (a.c[2] + a.c[3] * oa) * (oa * oa);
     d_[1] += (2.0 * b.c[2] + 3.0 * b.c[3] * ob) * ob - (2.0 * a.c[2] + 3.0 * a.c[3] * oa) * oa;
     d_[2] = (b.c[2] + 3.0 * b.c[3] * ob) - (a.c[2] + 3.0 * a.c[3] * oa);
     d_[3] = b.c[3] - a.c[3];
+    magnitude += (d_[1].norm() - line.rate.norm()) * reach;
+    double power = reach;
+    for (int k = 2; k < 4; ++k) {
+      power *= reach;
+      magnitude += 4.0 * (a.c[k].norm() + b.c[k].norm()) * power;
+    }
   }
-
-  // Every term that was rounded, at its largest over both segments' shares of time. What both objects have in
-  // common never was, but for the rounding of each one's own coefficients: a line's velocity (difference,
-  // duration, quotient), and what a cubic's bend owes to the velocities it is computed from.
-  double magnitude = line.magnitude(a, b) + (d_[1].norm() - line.rate.norm()) * reach;
-  double power = reach;
-  for (int k = 2; k < 4; ++k) {
-    power *= reach;
-    magnitude += 4.0 * (a.c[k].norm() + b.c[k].norm()) * power;
-  }
-  const auto ownRounding = [&](const RigidMotion& m) {
-    const bool straight = m.c[2].isZero(0.0) && m.c[3].isZero(0.0);
-    return (straight ? kLineRounding : 64.0) * kUnit * m.c[1].norm() * reach;
+  const auto ownRounding = [&](bool straight, double speed) {
+    return (straight ? kLineRounding : 64.0) * kUnit * speed * reach;
   };
-  translation_error_ = kTermRounding * kUnit * magnitude + ownRounding(a) + ownRounding(b);
+  translation_error_ =
+      kTermRounding * kUnit * magnitude + ownRounding(straight_a, speed_a) + ownRounding(straight_b, speed_b);
 
-  const auto ownSpeed = [&](const RigidMotion& m, double offset) {
+  const auto ownSpeed = [&](const RigidMotion& m, bool straight, double speed, double offset) {
+    if (straight) return speed * kUp;
     const double until = std::abs(offset) + duration_;
-    return (m.c[1].norm() + until * (2.0 * m.c[2].norm() + 3.0 * until * m.c[3].norm())) * kUp;
+    return (speed + until * (2.0 * m.c[2].norm() + 3.0 * until * m.c[3].norm())) * kUp;
   };
-  own_speed_a_ = ownSpeed(a, offset_a_);
-  own_speed_b_ = ownSpeed(b, offset_b_);
+  own_speed_a_ = ownSpeed(a, straight_a, speed_a, offset_a_);
+  own_speed_b_ = ownSpeed(b, straight_b, speed_b, offset_b_);
   world_scale_a_ = a.c[0].norm() + own_speed_a_ * (std::abs(offset_a_) + duration_);
   max_acceleration_ = std::max(acceleration(0.0).norm(), acceleration(duration_).norm()) * kUp;
   max_speed_ = (velocity(0.5 * duration_).norm() + 0.5 * duration_ * max_acceleration_) * kUp;

@@ -153,5 +153,29 @@ TEST(Polygon, DiscInHullStaysInsideAndTouches) {
   EXPECT_EQ(discInHull(segment, hull), 0.0);
 }
 
+TEST(Polygon, BehindTheEdgeInItsWayNoLargerDiscFits) {
+  Random random(kSeed, 5);
+  int blocked = 0, grown = 0;
+  for (int i = 0; i < 2000; ++i) {
+    Polygon points = randomPoints(random, 1), more = randomPoints(random, 1), hull;
+    Vec2 out(9, 9);
+    const double radius = discInHull(points, hull, &out);
+    if (hull.size() < 3) {
+      ASSERT_TRUE(out.isZero(0.0));
+      continue;
+    }
+    ++blocked;
+    ASSERT_NEAR(out.norm(), 1.0, 1e-12);
+    double most = radius;
+    for (const Vec2& p : more) most = std::max(most, out.dot(p));
+    more.insert(more.end(), points.begin(), points.end());
+    const double larger = discInHull(more, hull);
+    grown += larger > radius;
+    ASSERT_LE(larger, most + 1e-12) << "seed " << kSeed << " case " << i;
+  }
+  EXPECT_GT(blocked, 300);
+  EXPECT_GT(grown, 300);
+}
+
 }  // namespace
 }  // namespace collision_node::impact

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "collision_node/impact/out_of_reach.h"
 #include "collision_node/impact/walk/search.h"
 #include "test/impact/fuzz_case.h"
 #include "test/impact/moving_pair.h"
@@ -127,7 +128,7 @@ TEST(Search, NearPairsHoldEveryPairThatTouches) {
 }
 
 TEST(Search, OutOfReachIsAProof) {
-  int out = 0, begin_later = 0, end_sooner = 0;
+  int out = 0, out_before_all = 0, begin_later = 0, end_sooner = 0;
   for (int i = 0; i < 120; ++i) {
     const fuzz::Case c = fuzz::makeCase(kSeed + 3, i);
     SCOPED_TRACE(c.describe());
@@ -139,8 +140,10 @@ TEST(Search, OutOfReachIsAProof) {
     begin_later += !reach.empty() && reach.low > 0.0;
     end_sooner += !reach.empty() && reach.high < end;
     const auto apart = [&](Real t) { return pair.exact.distance(t) > c.options.contact_distance; };
+    const bool before_all = outOfReach(pair.body_a, pair.body_b, pair.piece, c.options.contact_distance);
+    out_before_all += before_all;
     for (int k = 0; k <= 2; ++k) {
-      if (reach.empty()) {
+      if (reach.empty() || before_all) {
         ASSERT_TRUE(apart(pair.exact.duration() * k / 2));
         continue;
       }
@@ -153,6 +156,7 @@ TEST(Search, OutOfReachIsAProof) {
     }
   }
   EXPECT_GT(out, 6) << "seed " << kSeed + 3;
+  EXPECT_GT(out_before_all, 6);
   EXPECT_GT(begin_later, 20);
   EXPECT_GT(end_sooner, 20);
 }
@@ -170,6 +174,28 @@ TEST(Search, ReachBeginsAndEndsWhereReachesTouch) {
   EXPECT_NEAR(reach.low, 0.5 - half, 1e-6);
   EXPECT_GE(reach.high, 0.7);
   EXPECT_NEAR(reach.high, 0.5 + half, 1e-6);
+}
+
+TEST(Search, OutOfReachBeforeAllIsSharp) {
+  // Two balls of 1 m and 0.5 m on parallel lines, the one at 40 km in a world that moves by 7 km/s.
+  const Vec3 home(4e4, 0.0, 0.0), wind(7e3, 0.0, 0.0);
+  const geometry::Body a({moving::placed(geometry::Sphere{1.0})}), b({moving::placed(geometry::Sphere{0.5})});
+  for (const double share : {-1.0, 0.0, 0.5, 1.0, 2.0}) {
+    for (const double beside : {1.4, 1.5 - 1e-9, 1.5, 1.5 + 1e-9, 1.6}) {
+      // Nearest to each other at that share of the piece.
+      const Vec3 from = home + Vec3(-6.0 * share, beside, 0.0);
+      Piece piece{0, 1'000'000'000, moving::flight(0, 1'000'000'000, home, wind),
+                  moving::flight(0, 1'000'000'000, from, wind + Vec3(6.0, 0.0, 0.0))};
+      SCOPED_TRACE("nearest at " + std::to_string(share) + ", beside " + std::to_string(beside));
+      const bool within = share >= 0.0 && share <= 1.0;
+      EXPECT_EQ(outOfReach(a, b, piece, 0.0), beside > 1.5 || !within);
+      EXPECT_EQ(outOfReach(a, b, piece, 0.05), beside > 1.55 || !within);
+      piece.tube = 0.05;
+      EXPECT_EQ(outOfReach(a, b, piece, 0.0), beside > 1.55 || !within);
+      piece.b.c[2] = Vec3(0.0, 1e-3, 0.0);
+      EXPECT_FALSE(outOfReach(a, b, piece, 0.0)) << "no straight path";
+    }
+  }
 }
 
 /// A sphere of 5 mm flies past a torus, `offset` beside its axis.

@@ -147,14 +147,27 @@ bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
   return false;
 }
 
+bool SlidingPoints::atCorner() const {
+  return !solid_.round && (offset_.array() != 0.0 || solid_.half.array() == 0.0).all();
+}
+
+bool SlidingPoints::onFace(double margin) const {
+  int beyond = 0, inside = 0;
+  for (int k = solid_.round ? 2 : 0; k < 3; ++k) {
+    beyond += std::abs(x_[k]) - solid_.half[k] > margin;
+    inside += std::abs(x_[k]) - solid_.half[k] < -margin;
+  }
+  if (!solid_.round) return beyond == 1 && inside == 2;
+  const double within = solid_.half[0] - margin;
+  return beyond == 1 && within > 0.0 && x_[0] * x_[0] + x_[1] * x_[1] < within * within;
+}
+
 Closest SlidingPoints::closest(const Cores& cores) const {
   const Element &curve = curve_is_a_ ? a_ : b_, &solid = curve_is_a_ ? b_ : a_;
   const PosedCore& placed = curve_is_a_ ? cores.b : cores.a;
   // The solid's point, in its object's frame. Corners are taken as they are stored: facts look for them.
   Vec3 nearest = x_ - offset_;
-  const bool corner = solid_.shrunk == 0.0 && solid.vertices != nullptr &&
-                      (offset_.array() != 0.0 || solid_.half.array() == 0.0).all();
-  if (corner) {
+  if (solid_.shrunk == 0.0 && atCorner()) {
     const int bits = (nearest.x() > 0.0 ? 1 : 0) | (nearest.y() > 0.0 ? 2 : 0) | (nearest.z() > 0.0 ? 4 : 0);
     nearest = solid.vertices[solid.count == 8 ? bits : solid.count == 2 ? bits >> 2 : 0];
   } else {

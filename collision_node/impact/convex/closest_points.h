@@ -67,6 +67,11 @@ class SlidingPoints {
   bool insideEdge() const { return slides_; }  ///< no end of the segment
   /// From A to B through the points.
   Vec3 outward() const { return frame_ * (curve_is_a_ ? Vec3(-offset_) : offset_); }
+  /// Is the other core's point one of its corners? On its rim?
+  bool atCorner() const;
+  bool onRim() const { return solid_.round && offset_.z() != 0.0 && !offset_.head<2>().isZero(0.0); }
+  /// Is it inside a flat face of a box or a cylinder, and stays there whatever moves by `margin` [m]?
+  bool onFace(double margin) const;
   Closest closest(const Cores& cores) const;
   /// The axis through them, with the rate at which they slide over both cores; invalid when the cores
   /// overlap.

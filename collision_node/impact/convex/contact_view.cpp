@@ -183,7 +183,8 @@ double ContactView::normalCone(double moved, double known) const {
     }
     done = level;
     if (used.size() < 3) continue;
-    const double most = std::min({(-low).minCoeff(), high.minCoeff(), beyond});  // of the disc about the origin
+    const double most =
+        std::min({(-low).minCoeff(), high.minCoeff(), beyond});  // of the disc about the origin
     if (!(moved + highest < best_sine * most)) continue;
     const double l = discInHull(used, buffers_.scratch, &blocked);
     beyond = blocked.isZero(0.0) ? kInfinity : l;

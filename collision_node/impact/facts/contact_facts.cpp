@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/impact/convex/closest_points.h"
 #include "collision_node/impact/facts/contact_normal.h"
 
 namespace collision_node::impact {
@@ -11,18 +12,17 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// `seen`: the core's points, least deep first.
-Feature featureOf(const PosedCore& core, const std::vector<SeenPoint>& seen, const Vec3& n,
-                  double tolerance) {
+/// By how many of the core's vertices are as far along `out`, from the core to the other, as the farthest.
+Feature featureOf(const PosedCore& core, const Vec3& out, double tolerance) {
   const Element& e = *core.element;
   if (e.radius > 0.0) return Feature::kSmooth;
-  if (e.vertices == nullptr) {
-    const Vec3 local = core.rotation->transpose() * n;
+  const Vec3 local = core.rotation->transpose() * out;
+  if (e.vertices == nullptr)
     return std::abs(local.dot(e.axis)) > 1.0 - 1e-12 ? Feature::kFace : Feature::kSmooth;
-  }
-  std::size_t held = 0;
-  while (held < seen.size() && seen[held].depth <= tolerance) ++held;
-  return held == 1 ? Feature::kVertex : held == 2 ? Feature::kEdge : Feature::kFace;
+  const double least = local.dot(supportOf(e, local)) - tolerance;
+  const auto held =
+      std::count_if(e.vertices, e.vertices + e.count, [&](const Vec3& v) { return local.dot(v) >= least; });
+  return held <= 1 ? Feature::kVertex : held == 2 ? Feature::kEdge : Feature::kFace;
 }
 
 /// Does a direction that parted the cores a moment ago show as much of a gap now as there can be? One along a
@@ -39,6 +39,77 @@ bool stillParts(const PairPiece& piece, const Cores& cores, const Vec3& directio
       *n = std::copysign(1.0, along) * axis;
   }
   return cores.gapAlong(*n) >= least;
+}
+
+/// A contact seen along a normal.
+struct Sight {
+  Vec3 n;       ///< unit, from A to B
+  double cone;  ///< half angle about n that holds the true normal [rad]
+  double gap;   ///< of the cores' support planes across n [m]
+  Vec3 place;   ///< on A's support plane: the middle of the disc that holds both cores' share of the contact
+  double disc = 0.0;  ///< its radius [m]
+};
+
+/// What may happen while the contact begins.
+struct Change {
+  double moved;   ///< [m] any point of one core against any of the other, budget included
+  double turned;  ///< [rad] both bodies together
+};
+
+/// Of a core that is one point, and another to which its nearest point is a clamp: all in closed form. False
+/// where it is not, or where more is known than this tells. Derivation: docs/solver.md, "The ball".
+bool seePoint(const PairPiece& piece, const Cores& cores, double radius, const Change& change, Sight* sight) {
+  const Element &a = *cores.a.element, &b = *cores.b.element;
+  const auto isPoint = [](const Element& e) { return e.vertices != nullptr && e.count == 1; };
+  if (!(radius > 0.0) || !(isPoint(a) || isPoint(b)) || !SlidingPoints::fit(a, b)) return false;
+  SlidingPoints points(a, b);
+  points.find(cores);
+  const double distance = points.distance(), moved = change.moved;
+  const bool point_is_a = points.curveIsA();
+  constexpr double kMost = 1e-3;  // with less, nothing else tells more of the normal
+  if (!(2.0 * moved < kMost * distance && change.turned < kMost)) return false;
+  if (!point_is_a && (points.atCorner() || points.onRim())) return false;  // A's cap is as small
+  const Vec3 n = points.outward() / distance;
+  const double top = n.dot(cores.a.place(cores.a.supportLocal(n)));
+  const double beyond = n.dot(cores.b.place(cores.b.supportLocal(-n))) - top;
+  const double gap = std::min(beyond, radius + moved);
+  if (!(2.0 * moved < kMost * gap)) return false;
+  double cone = std::asin(2.0 * moved / gap) + 64.0 * piece.point_error / gap;
+  // The point's way in the other's frame, which turns.
+  if (points.onFace(2.0 * (moved + change.turned * distance))) {
+    const RelativeMotion& m = piece.motion;
+    cone = std::min(cone, 2.0 * (point_is_a ? m.rotationErrorB() : m.rotationErrorA()) + 64.0 * kUnit);
+  }
+  cone += change.turned + 32.0 * kUnit;
+  *sight = {n, cone, beyond, point_is_a ? cores.a.place(a.vertices[0]) : cores.b.place(b.vertices[0]), moved};
+  if (!point_is_a) {
+    sight->place += n * (top - n.dot(sight->place));
+    sight->disc += radius * std::sin(cone);
+  }
+  return true;
+}
+
+/// How deep below the support planes the contact's points lie at most. Where contact falls within the span,
+/// the gap between these planes is at most `moved`.
+double depthOf(double gap, double radius, double moved) { return moved + std::max(0.0, radius - gap); }
+
+/// Of any two cores; `closest` are their closest points where `radius` > 0.
+Sight see(const PairPiece& piece, const Cores& cores, const ContactView& view, const Vec3& n,
+          const Closest& closest, double radius, const Change& change) {
+  const double moved = change.moved, gap = std::clamp(view.gap(), 0.0, radius + moved);
+  // At the touch n' . w >= radius for every core difference then, so n' . w >= radius - moved now, while n .
+  // w is at most height + radius + moved: sin(lean) l <= height + 2 moved.
+  double cone = M_PI;
+  if (radius > 0.0 && gap > 2.0 * moved)
+    cone = roundedCone(piece, cores, closest, n, view.gap(), gap, moved, change.turned);
+  cone = view.normalCone(2.0 * moved + std::max(0.0, -view.gap()), cone);
+  cone = std::min(M_PI, cone + change.turned + 32.0 * kUnit);
+  // The ball, in the plane across n: what is near both supports.
+  Vec2 centre;
+  double disc = 0.0;
+  view.commonDisc(depthOf(view.gap(), radius, moved), cone, moved,
+                  moved + radius * std::sin(std::min(cone, M_PI_2)), &centre, &disc);
+  return {n, cone, view.gap(), view.place(centre, view.topOfA()), disc};
 }
 
 /// The side's identity and witness, from a point of the contact in world axes relative to A's origin.
@@ -75,62 +146,53 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   const double radius = ea.radius + eb.radius + piece.contact_distance;
   const double reach_a = coreReach(ea), reach_b = coreReach(eb);
 
-  Closest closest;
-  Vec3 n;
-  if (radius > 0.0 || parting == nullptr || !stillParts(piece, cores, parting->at(now.t), &n)) {
-    closest = closestPoints(cores, start);
-    const Axis axis = axisOf(piece, now, closest, false);
-    if (axis.valid) n = axis.direction;
-    if (!axis.valid && !shallowestNormal(piece, cores, &n)) {
-      ContactWitness witness;
-      witness.element_a = pair.a;
-      witness.element_b = pair.b;
-      for (int i = 0; i < closest.count; ++i)
-        witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
-      return describeOverlap(piece, now, witness);
-    }
-    if (radius == 0.0) n = bestNormal(piece, now, ea, eb, closest, n, apart_at);
-    n.normalize();
-  }
-  const ContactView view(cores, n, buffers);
   const double turned = (m.spinA() + m.spinB()) * span + earlier.angle;
   const double speed =
       m.velocity(now.t).norm() + span * m.maxAcceleration() + m.spinA() * reach_a + m.spinB() * reach_b;
   const double moved = speed * span + earlier.distance + 2.0 * piece.point_error;
 
-  // Where contact falls within the span, the gap between the support planes is at most `moved`.
-  const double gap = std::clamp(view.gap(), 0.0, radius + moved);
-  const double depth = moved + std::max(0.0, radius - view.gap());
-
-  // At the touch n' . w >= radius for every core difference then, so n' . w >= radius - moved now, while n .
-  // w is at most height + radius + moved: sin(lean) l <= height + 2 moved.
-  double cone = M_PI;
-  if (radius > 0.0 && gap > 2.0 * moved)
-    cone = roundedCone(piece, cores, closest, n, view.gap(), gap, moved, turned);
-  cone = view.normalCone(2.0 * moved + std::max(0.0, -view.gap()), cone);
-  cone = std::min(M_PI, cone + turned + 32.0 * kUnit);
-  f.normal = n;
+  Sight sight;
+  if (!seePoint(piece, cores, radius, {moved, turned}, &sight)) {
+    Closest closest;
+    Vec3 n;
+    if (radius > 0.0 || parting == nullptr || !stillParts(piece, cores, parting->at(now.t), &n)) {
+      closest = closestPoints(cores, start);
+      const Axis axis = axisOf(piece, now, closest, false);
+      if (axis.valid) n = axis.direction;
+      if (!axis.valid && !shallowestNormal(piece, cores, &n)) {
+        ContactWitness witness;
+        witness.element_a = pair.a;
+        witness.element_b = pair.b;
+        for (int i = 0; i < closest.count; ++i)
+          witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
+        return describeOverlap(piece, now, witness);
+      }
+      if (radius == 0.0) n = bestNormal(piece, now, ea, eb, closest, n, apart_at);
+      n.normalize();
+    }
+    sight = see(piece, cores, ContactView(cores, n, buffers), n, closest, radius, {moved, turned});
+  }
+  const double cone = sight.cone;
+  f.normal = sight.n;
   f.normal_error = cone;
 
-  // The ball, in the plane across n: what is near both supports.
-  Vec2 centre;
-  double disc = 0.0;
-  view.commonDisc(depth, cone, moved, moved + radius * std::sin(std::min(cone, M_PI_2)), &centre, &disc);
   // Along n the contact lies on A's support plane, grown by A's radius.
   const double share = radius > 0.0 ? ea.radius + 0.5 * piece.contact_distance : 0.0;
-  const double sunk = radius > 0.0 ? 0.0 : 0.5 * std::max(0.0, -view.gap());
-  f.position = view.place(centre, view.topOfA() + share - sunk);
+  const double sunk = radius > 0.0 ? 0.0 : 0.5 * std::max(0.0, -sight.gap);
+  f.position = sight.place + (share - sunk) * sight.n;
   const double lean = share * 2.0 * std::sin(0.5 * cone);
   // World position at the instant of contact: either body's own motion over the span, the smaller one.
   const double own_a = (m.ownSpeedA() + m.spinA() * (reach_a + ea.radius)) * span;
   const double own_b = (m.ownSpeedB() + m.spinB() * (reach_b + eb.radius)) * span;
   const double own = std::min(own_a, own_b + moved) + earlier.distance;
-  f.position_error = std::hypot(disc, depth) + lean + own + 2.0 * piece.point_error + worldRounding(piece);
+  const double depth = depthOf(sight.gap, radius, moved);
+  f.position_error =
+      std::hypot(sight.disc, depth) + lean + own + 2.0 * piece.point_error + worldRounding(piece);
   f.position_error *= 1.0 + 64.0 * kUnit;
 
   const double tolerance = moved + 1e-9 * (reach_a + reach_b);
-  f.a = sideOf(cores.a, f.position, featureOf(cores.a, buffers.a, n, tolerance));
-  f.b = sideOf(cores.b, f.position, featureOf(cores.b, buffers.b, n, tolerance));
+  f.a = sideOf(cores.a, f.position, featureOf(cores.a, sight.n, tolerance));
+  f.b = sideOf(cores.b, f.position, featureOf(cores.b, -sight.n, tolerance));
   addVelocities(piece, now, f);
   return f;
 }
