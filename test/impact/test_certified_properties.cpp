@@ -167,11 +167,12 @@ TEST(CertifiedProperties, TheOwnSpinOfAPointAddsNothingToBallAndCone) {
     double ball[2], cone[2];
     for (const bool spins : {false, true}) {
       const Piece fall{0, kFrame, resting(),
-                       flight(0, kFrame, {0.004, 0.003, 0.03}, {0, 0, -0.6}, {spins ? spin : 0.0, 0.0, 0.0})};
+                       flight(0, kFrame, {0.004, 0.003, 0.05}, {0, 0, -0.6}, {spins ? spin : 0.0, 0.0, 0.0})};
       const Piece piece = swapped ? Piece{fall.start_ns, fall.end_ns, fall.b, fall.a} : fall;
       Watched pair({swapped ? point : capsule}, {swapped ? capsule : point});
       pair.advance(piece);
       ASSERT_FALSE(pair.events.empty());
+      ASSERT_EQ(pair.events[0].kind, Kind::kImpact) << pair.list();
       ASSERT_EQ(pair.events[0].certificate, Certificate::kConfirmed) << pair.list();
       ball[spins] = pair.events[0].position_error;
       cone[spins] = pair.events[0].normal_error;
