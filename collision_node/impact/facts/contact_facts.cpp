@@ -52,8 +52,8 @@ struct Sight {
 
 /// What may happen while the contact begins.
 struct Change {
-  double moved;   ///< [m] any point of one core against any of the other, budget included
-  double turned;  ///< [rad] both bodies together
+  double moved;  ///< [m] any point of one core against any of the other, budget included
+  Turned turned;
 };
 
 /// Of a core that is one point, and another to which its nearest point is a clamp: all in closed form. False
@@ -65,10 +65,14 @@ bool seePoint(const PairPiece& piece, const Cores& cores, double radius, const C
   SlidingPoints points(a, b);
   points.find(cores);
   const double distance = points.distance(), moved = change.moved;
-  const bool point_is_a = points.curveIsA();
+  const bool point_is_a = points.curveIsA(), two_points = isPoint(a) && isPoint(b);
+  const Turned& both = change.turned;
+  // A point's own turn moves nothing.
+  const double turned = two_points ? std::min(both.a, both.b) : point_is_a ? both.b : both.a;
   constexpr double kMost = 1e-3;  // with less, nothing else tells more of the normal
-  if (!(2.0 * moved < kMost * distance && change.turned < kMost)) return false;
-  if (!point_is_a && (points.atCorner() || points.onRim())) return false;  // A's cap is as small
+  if (!(2.0 * moved < kMost * distance && turned < kMost)) return false;
+  if (points.atCorner() && !two_points) return false;  // like a point: nobody's turn moves anything
+  if (!point_is_a && points.onRim()) return false;     // A's cap is as small as B's
   const Vec3 n = points.outward() / distance;
   const double top = n.dot(cores.a.place(cores.a.supportLocal(n)));
   const double beyond = n.dot(cores.b.place(cores.b.supportLocal(-n))) - top;
@@ -76,11 +80,11 @@ bool seePoint(const PairPiece& piece, const Cores& cores, double radius, const C
   if (!(2.0 * moved < kMost * gap)) return false;
   double cone = std::asin(2.0 * moved / gap) + 64.0 * piece.point_error / gap;
   // The point's way in the other's frame, which turns.
-  if (points.onFace(2.0 * (moved + change.turned * distance))) {
+  if (points.onFace(2.0 * (moved + turned * distance))) {
     const RelativeMotion& m = piece.motion;
     cone = std::min(cone, 2.0 * (point_is_a ? m.rotationErrorB() : m.rotationErrorA()) + 64.0 * kUnit);
   }
-  cone += change.turned + 32.0 * kUnit;
+  cone += turned + 32.0 * kUnit;
   *sight = {n, cone, beyond, point_is_a ? cores.a.place(a.vertices[0]) : cores.b.place(b.vertices[0]), moved};
   if (!point_is_a) {
     sight->place += n * (top - n.dot(sight->place));
@@ -103,7 +107,7 @@ Sight see(const PairPiece& piece, const Cores& cores, const ContactView& view, c
   if (radius > 0.0 && gap > 2.0 * moved)
     cone = roundedCone(piece, cores, closest, n, view.gap(), gap, moved, change.turned);
   cone = view.normalCone(2.0 * moved + std::max(0.0, -view.gap()), cone);
-  cone = std::min(M_PI, cone + change.turned + 32.0 * kUnit);
+  cone = std::min(M_PI, cone + 32.0 * kUnit);
   // The ball, in the plane across n: what is near both supports.
   Vec2 centre;
   double disc = 0.0;
@@ -146,7 +150,7 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   const double radius = ea.radius + eb.radius + piece.contact_distance;
   const double reach_a = coreReach(ea), reach_b = coreReach(eb);
 
-  const double turned = (m.spinA() + m.spinB()) * span + earlier.angle;
+  const Turned turned{m.spinA() * span + earlier.angle, m.spinB() * span + earlier.angle};
   const double speed =
       m.velocity(now.t).norm() + span * m.maxAcceleration() + m.spinA() * reach_a + m.spinB() * reach_b;
   const double moved = speed * span + earlier.distance + 2.0 * piece.point_error;
