@@ -155,8 +155,9 @@ class Halves {
   struct Subtree {
     Range range;
     int left = -1, right = -1;
-    double cost[kLanes + 1];   ///< expected, with at most so many children of one node
-    int to_left[kLanes + 1];  ///< how many of them the left half gets; 0: it is one child. [0]: of its own node
+    double cost[kLanes + 1];  ///< expected, with at most so many children of one node
+    int to_left[kLanes +
+                1];  ///< how many of them the left half gets; 0: it is one child. [0]: of its own node
   };
 
   int add(const Range& range) {

@@ -7,10 +7,11 @@ namespace {
 
 using geometry::WideNode;
 
-constexpr float kWider = 0x1p-20f;  ///< of a parameter: more than all its own roundings
+constexpr float kWider = 0x1p-20f;  ///< more than a parameter's own roundings, in parts of it
 constexpr double kStill = 0x1p-60;  ///< slower than this along an axis is standing still
 constexpr double kU = 0x1p-53;
 constexpr double kUsualSlack = 0x1p-20;  ///< units
+constexpr double kWidest = 0x1p30;       ///< units; with a wider tube floats say nothing any more
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using FourFloats = float __attribute__((vector_size(kFour * sizeof(float))));
@@ -133,10 +134,10 @@ COLLISION_NODE_INLINE std::uint64_t walkAll(const WideBvh& bvh, const PathWalk& 
   while (true) {
     for (; now >= 0; ++tests) {
       const WideNode& node = nodes[now];
-      const Eight near =
-          larger(larger(larger(path.nearAt(node, 0), path.nearAt(node, 1)), path.nearAt(node, 2)), path.begin);
-      const Eight far = smaller(smaller(smaller(path.farAt(node, 0), path.farAt(node, 1)), path.farAt(node, 2)),
-                                limits);
+      const Eight near = larger(
+          larger(larger(path.nearAt(node, 0), path.nearAt(node, 1)), path.nearAt(node, 2)), path.begin);
+      const Eight far =
+          smaller(smaller(smaller(path.farAt(node, 0), path.farAt(node, 1)), path.farAt(node, 2)), limits);
       const EightBits enters = near <= far;
       if (lanesOf(enters) == 0) break;
       Entered children;
@@ -174,8 +175,8 @@ COLLISION_NODE_INLINE std::uint64_t walkAll(const WideBvh& bvh, const PathWalk& 
 COLLISION_NODE_INLINE Four fourOf(const Vec3& x, double last) { return Four{x[0], x[1], x[2], last}; }
 
 /// Sets everything that boxes need, for a tube of `g` units. Places are seen where the path is level with the
-/// root box's centre, so floats see numbers of the box's size only; farther aside than `aside` nothing is met.
-/// An axis along which the path stands still is one along which it creeps by less than that.
+/// root box's centre, so floats see numbers of the box's size only; farther aside than `aside` nothing is
+/// met. An axis along which the path stands still is one along which it creeps by less than that.
 COLLISION_NODE_INLINE void follow(PathWalk& walk, const WideBvh& bvh, const Vec3& p, const Vec3& v,
                                   double from, double to, double g) {
   const ShearedFrame& f = walk.frame;
@@ -186,7 +187,7 @@ COLLISION_NODE_INLINE void follow(PathWalk& walk, const WideBvh& bvh, const Vec3
   const Four speed = larger(magnitude(velocity), Four{} + rate * kStill);
   const Four place =
       larger(smaller((offset - (level * f.per_rate) * velocity) * scale, Four{} + aside), Four{} - aside);
-  // 2^-21 of the largest place and the largest way, which are within the box and the tube around it.
+  // Holds the roundings that act like places; the pad holds the others.
   const double grow = g * (1.0 + 0x1p-18) + 0x1p-19;
   const FourFloats size = __builtin_convertvector(rate / speed, FourFloats);
   const Four inverse_size = __builtin_convertvector(size, Four), along = back ? -place : place;
@@ -253,7 +254,27 @@ PathWalk::PathWalk(const WideBvh& bvh, const ShearedFrame& sheared, const Vec3& 
   // What rounding needs is hardly ever more than this, and the walk does not wait for it.
   followWithin(kUsualSlack);
   const double slack = (error + 32.0 * kU * size) * bvh.scale();
-  if (!(slack < kUsualSlack)) followWithin(slack);
+  if (slack < kUsualSlack && radius * bvh.scale() < kWidest) return;
+  if (radius * bvh.scale() + slack < kWidest) {
+    followWithin(slack);
+  } else {
+    meetEverything();
+  }
+}
+
+void PathWalk::meetEverything() {
+  constexpr float kFar = 0x1p100f;
+  misses = false;
+  first = most = 1.0;
+  per_second = 0.0;
+  begin = 0.5f;
+  for (int k = 0; k < 3; ++k) {
+    inverse[k] = 1.0f;
+    near_plane[k] = kEight * k;
+    far_plane[k] = kEight * (k + 3);
+    near[k] = -kFar;
+    far[k] = kFar;
+  }
 }
 
 float PathWalk::parameterUp(double t) const {

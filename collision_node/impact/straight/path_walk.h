@@ -50,8 +50,8 @@ struct ShearedFrame {
   double error = 0.0;  ///< [m] of any sheared coordinate, against those of the exact path
 };
 
-/// A path's parameter is where it is along the axis z of its frame, in the hierarchy's units, and more than zero
-/// wherever it may meet a box.
+/// A path's parameter is where it is along the axis z of its frame, in the hierarchy's units, and more than
+/// zero wherever it may meet a box.
 struct PathWalk {
   /// The path p + t v, t in [from, to], p and v in the frame of the hierarchy's vertices [m], [m/s]; v is not
   /// zero. A triangle is met within `radius` + `error` of it [m]; `sheared_tube` is the same in sheared
@@ -62,13 +62,13 @@ struct PathWalk {
 
   /// The parameter at a time, rounded up.
   float parameterUp(double t) const;
-  /// A time not after the parameter.
+  /// A time not after the parameter; -infinity where nothing is known.
   double timeDown(float parameter) const;
 
   Lanes lanes;
-  bool misses;                ///< the root box: nothing to walk
-  double first, per_second;   ///< the parameter at time 0, and how it grows
-  double most;                ///< no box is met behind it
+  bool misses;               ///< the root box: nothing to walk
+  double first, per_second;  ///< the parameter at time 0, and how it grows
+  double most;               ///< no box is met behind it
   // Boxes: the parameter at a plane is plane * inverse + near (far) for the near (far) planes. Of x y z; the
   // fourth numbers are not used.
   float inverse[4], near[4], far[4];
@@ -77,6 +77,9 @@ struct PathWalk {
   // Triangles.
   const ShearedFrame& frame;
   double reach;  ///< sheared_tube
+
+ private:
+  void meetEverything();
 };
 
 /// A leaf's triangles in the sheared frame. Edge k is the one across from corner k; the path passes inside a
