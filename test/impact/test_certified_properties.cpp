@@ -157,5 +157,30 @@ TEST(CertifiedProperties, CleanHitsAtTwoKilometresASecondAreNarrow) {
   std::printf("widest bracket %.3g s, largest ball %.3g m\n", widest, largest);
 }
 
+TEST(CertifiedProperties, TheOwnSpinOfAPointAddsNothingToBallAndCone) {
+  // solver.md, "The ball": "the point's own spin moves nothing". Slow, so that a bracket of 1 ns is open for
+  // a quarter of a milliradian of its turn.
+  const double spin = 2.5e5;
+  const auto capsule = moving::placed(geometry::Capsule{0.02, 0.05});
+  const auto point = moving::placed(geometry::Point{});
+  for (const bool swapped : {false, true}) {
+    double ball[2], cone[2];
+    for (const bool spins : {false, true}) {
+      const Piece fall{0, kFrame, resting(),
+                       flight(0, kFrame, {0.004, 0.003, 0.05}, {0, 0, -0.6}, {spins ? spin : 0.0, 0.0, 0.0})};
+      const Piece piece = swapped ? Piece{fall.start_ns, fall.end_ns, fall.b, fall.a} : fall;
+      Watched pair({swapped ? point : capsule}, {swapped ? capsule : point});
+      pair.advance(piece);
+      ASSERT_FALSE(pair.events.empty());
+      ASSERT_EQ(pair.events[0].kind, Kind::kImpact) << pair.list();
+      ASSERT_EQ(pair.events[0].certificate, Certificate::kConfirmed) << pair.list();
+      ball[spins] = pair.events[0].position_error;
+      cone[spins] = pair.events[0].normal_error;
+    }
+    EXPECT_LE(ball[true], 1.01 * ball[false]) << (swapped ? "point first" : "point second");
+    EXPECT_LE(cone[true], 1.01 * cone[false]) << (swapped ? "point first" : "point second");
+  }
+}
+
 }  // namespace
 }  // namespace collision_node::impact

@@ -143,6 +143,9 @@ TEST(Fuzz, FoundBracketsOfCommonSpeedsAndOfPartingsWithinW) {
   for (const int index : {6036, 6522, 7616, 16094, 16467}) expectNoComplaint(fuzz::makeWideCase, 7, index);
 }
 
+/// The ball held what a spinning point's own turn would do to the normal of a capsule.
+TEST(Fuzz, FoundBallOfASpinningPoint) { expectNoComplaint(fuzz::makeWideCase, 7, 15163); }
+
 /// A point through the hub of a fan with a triangle twice: no patch was proved to be passed.
 TEST(Fuzz, FoundPassageThroughDuplicatedTriangles) { expectNoComplaint(fuzz::makeEdgeCase, 3, 323); }
 

@@ -120,8 +120,6 @@ GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a,
   }
   point_error_ = piece.point_error;
   rate_error_ = piece.rate_error;
-  const double spin2 = m.spinA() * m.spinA() + m.spinB() * m.spinB();
-  bend_error_ = (0.5 * spin2 * length_ + (m.spinA() + m.spinB()) * rate_length_) * point_error_;
   first_ = level_[0] - a_.first() - b_.first() - length_ * (grown_ + point_error_);
 }
 
@@ -137,8 +135,7 @@ GapModel::Bounds GapModel::until(double end) const {
   bounds.first = first_;
   bounds.middle = (level_[0] + 0.5 * end * level_[1]) - a_.middle(end) - b_.middle(end) - grown_middle - half;
   bounds.last = (level_[0] + end * (level_[1] + end * level_[2])) - a_.last(end) - b_.last(end) - grown_last -
-                end * end * (end * (cubic_ + end * quartic_) + bend_error_) -
-                reach * (point_error_ + end * rate_error_);
+                end * end * end * (cubic_ + end * quartic_) - reach * (point_error_ + end * rate_error_);
   return bounds;
 }
 
@@ -150,7 +147,7 @@ GapModel::Trend GapModel::trend() const {
   t.slope =
       level_[1] - a.rate - b.rate - grown_ * along - rate_length_ * point_error_ - length_ * rate_error_;
   t.bend = level_[2] - a.bend - b.bend -
-           0.5 * grown_ * (rate_length_ * rate_length_ - along * along) / length_ - bend_error_ -
+           0.5 * grown_ * (rate_length_ * rate_length_ - along * along) / length_ -
            rate_length_ * rate_error_;
   t.cubic = cubic_;
   t.quartic = quartic_;

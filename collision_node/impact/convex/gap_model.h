@@ -112,7 +112,7 @@ class GapModel {
   double level_[3];         ///< of the origins' distance along n(s): powers of s
   double grown_;            ///< both radii and the contact distance
   double cubic_, quartic_;  ///< subtracted: s^3 cubic + s^4 quartic
-  double point_error_, rate_error_, bend_error_;
+  double point_error_, rate_error_;
   double first_;
 };
 

@@ -93,7 +93,7 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
     n.normalize();
   }
   const ContactView view(cores, n, buffers);
-  const double turned = (m.spinA() + m.spinB()) * span + earlier.angle;
+  const Turned turned{m.spinA() * span + earlier.angle, m.spinB() * span + earlier.angle};
   const double speed =
       m.velocity(now.t).norm() + span * m.maxAcceleration() + m.spinA() * reach_a + m.spinB() * reach_b;
   const double moved = speed * span + earlier.distance + 2.0 * piece.point_error;
@@ -108,7 +108,7 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   if (radius > 0.0 && gap > 2.0 * moved)
     cone = roundedCone(piece, cores, closest, n, view.gap(), gap, moved, turned);
   cone = view.normalCone(2.0 * moved + std::max(0.0, -view.gap()), cone);
-  cone = std::min(M_PI, cone + turned + 32.0 * kUnit);
+  cone = std::min(M_PI, cone + 32.0 * kUnit);
   f.normal = n;
   f.normal_error = cone;
 

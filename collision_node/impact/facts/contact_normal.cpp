@@ -105,15 +105,18 @@ bool shallowestNormal(const PairPiece& piece, const Cores& cores, Vec3* n) {
 }
 
 double roundedCone(const PairPiece& piece, const Cores& cores, const Closest& closest, const Vec3& n,
-                   double plane_gap, double gap, double moved, double turned) {
-  // A single point's closest vector moves at most twice as far as the point does in the other's frame.
+                   double plane_gap, double gap, double moved, const Turned& turned) {
   const double lean =
       std::asin(std::min(1.0, 2.0 * moved / gap)) + directionError(piece, cores, closest, gap);
-  const double any = std::acos((gap - moved) / (closest.v.norm() + moved));
-  if (!(lean < any)) return any;
-  const bool single = staysOneVertex(cores, closest, true, n, plane_gap, moved, lean + turned) ||
-                      staysOneVertex(cores, closest, false, n, plane_gap, moved, lean + turned);
-  return single ? lean : any;
+  double cone = std::acos((gap - moved) / (closest.v.norm() + moved));
+  // A point's closest vector turns with the other core, and as far as the two have moved. Its own turn moves
+  // nothing.
+  for (const bool point_is_a : {true, false}) {
+    const double single = lean + (point_is_a ? turned.b : turned.a);
+    if (single < cone && staysOneVertex(cores, closest, point_is_a, n, plane_gap, moved, single))
+      cone = single;
+  }
+  return cone;
 }
 
 }  // namespace collision_node::impact

@@ -17,10 +17,15 @@ Vec3 bestNormal(const PairPiece& piece, const Instant& now, const Element& ea, c
 /// volume.
 bool shallowestNormal(const PairPiece& piece, const Cores& cores, Vec3* n);
 
+/// By how much each body may have turned, at most [rad].
+struct Turned {
+  double a, b;
+};
+
 /// For cores with a radius, n along their closest points: an angle to the true normal at any time at which
-/// the two have moved by `moved` and turned by `turned` since, relative to each other [rad]. `plane_gap` is
-/// that of the support planes across n, `gap` the same within what the contact allows, both > 2 moved.
+/// the two have moved by `moved` since, relative to each other, and turned [rad]. `plane_gap` is that of the
+/// support planes across n, `gap` the same within what the contact allows, both > 2 moved.
 double roundedCone(const PairPiece& piece, const Cores& cores, const Closest& closest, const Vec3& n,
-                   double plane_gap, double gap, double moved, double turned);
+                   double plane_gap, double gap, double moved, const Turned& turned);
 
 }  // namespace collision_node::impact
