@@ -131,31 +131,93 @@ class Splitter {
   std::vector<int> order_;
 };
 
-/// Opens the largest range until there are eight, or none that can be opened.
-std::vector<Range> openToEight(Splitter& splitter, const Range& whole) {
-  std::vector<Range> children = {whole};
-  while (children.size() < 8) {
-    int widest = -1;
-    for (int i = 0; i < static_cast<int>(children.size()); ++i) {
-      const Range& r = children[static_cast<std::size_t>(i)];
-      if (!r.leaf() &&
-          (widest < 0 || r.box.halfArea() > children[static_cast<std::size_t>(widest)].box.halfArea())) {
-        widest = i;
+/// A binary tree of ranges, and for each of its subtrees the cheapest way to hang it into a wide node.
+class Halves {
+ public:
+  explicit Halves(const std::vector<Box>& boxes) : splitter_(boxes) { add(splitter_.all()); }
+
+  /// The children of a wide node for a subtree, at most eight.
+  std::vector<int> childrenOf(int subtree) const {
+    std::vector<int> children;
+    const Subtree& s = subtrees_[static_cast<std::size_t>(subtree)];
+    if (s.range.leaf()) return {subtree};
+    collect(s.left, s.to_left[0], children);
+    collect(s.right, kLanes - s.to_left[0], children);
+    return children;
+  }
+  const Range& operator[](int subtree) const { return subtrees_[static_cast<std::size_t>(subtree)].range; }
+  int triangle(int place) const { return splitter_[place]; }
+
+ private:
+  static constexpr int kLanes = 8;
+  static constexpr double kLeafCost = 1.0;  ///< of looking at a leaf's triangles, in those of a node's boxes
+
+  struct Subtree {
+    Range range;
+    int left = -1, right = -1;
+    double cost[kLanes + 1];  ///< expected, with at most so many children of one node
+    int to_left[kLanes +
+                1];  ///< how many of them the left half gets; 0: it is one child. [0]: of its own node
+  };
+
+  int add(const Range& range) {
+    const int at = static_cast<int>(subtrees_.size());
+    subtrees_.emplace_back();
+    Subtree s;
+    s.range = range;
+    const double area = range.box.halfArea();
+    std::fill_n(s.cost, kLanes + 1, area * kLeafCost);
+    std::fill_n(s.to_left, kLanes + 1, 0);
+    if (!range.leaf()) {
+      const auto halves = splitter_.split(range);
+      s.left = add(halves[0]);
+      s.right = add(halves[1]);
+      for (int lanes = kLanes; lanes > 1; --lanes) share(s, lanes);
+      s.to_left[0] = s.to_left[kLanes];
+      s.cost[1] = area + s.cost[kLanes];
+      s.to_left[1] = 0;
+      for (int lanes = 2; lanes <= kLanes; ++lanes) {
+        if (s.cost[lanes] < s.cost[1]) continue;
+        s.cost[lanes] = s.cost[1];
+        s.to_left[lanes] = 0;
       }
     }
-    if (widest < 0) break;
-    const auto halves = splitter.split(children[static_cast<std::size_t>(widest)]);
-    children[static_cast<std::size_t>(widest)] = halves[0];
-    children.push_back(halves[1]);
+    subtrees_[static_cast<std::size_t>(at)] = s;
+    return at;
   }
-  return children;
-}
 
-WideLeaf leafOf(const Splitter& splitter, const Range& r, const std::vector<WideBvh::Corners>& triangles) {
+  void share(Subtree& s, int lanes) const {
+    const Subtree &left = subtrees_[static_cast<std::size_t>(s.left)],
+                  &right = subtrees_[static_cast<std::size_t>(s.right)];
+    s.cost[lanes] = std::numeric_limits<double>::infinity();
+    for (int k = 1; k < lanes; ++k) {
+      const double cost = left.cost[k] + right.cost[lanes - k];
+      if (!(cost < s.cost[lanes])) continue;
+      s.cost[lanes] = cost;
+      s.to_left[lanes] = k;
+    }
+  }
+
+  void collect(int subtree, int lanes, std::vector<int>& children) const {
+    const Subtree& s = subtrees_[static_cast<std::size_t>(subtree)];
+    const int to_left = s.to_left[lanes];
+    if (to_left == 0) {
+      children.push_back(subtree);
+      return;
+    }
+    collect(s.left, to_left, children);
+    collect(s.right, lanes - to_left, children);
+  }
+
+  Splitter splitter_;
+  std::vector<Subtree> subtrees_;  ///< [0] is the whole
+};
+
+WideLeaf leafOf(const Halves& halves, const Range& r, const std::vector<WideBvh::Corners>& triangles) {
   WideLeaf leaf;
   for (int lane = 0; lane < kLeafSize; ++lane) {
     const bool used = lane < r.count();
-    const int element = splitter[used ? r.begin + lane : r.begin];
+    const int element = halves.triangle(used ? r.begin + lane : r.begin);
     for (int k = 0; k < 3; ++k)
       leaf.vertex[k][lane] = triangles[static_cast<std::size_t>(element)][static_cast<std::size_t>(k)];
     leaf.element[lane] = used ? element : -1;
@@ -170,8 +232,8 @@ void WideBvh::build(const std::vector<Corners>& triangles) {
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (const std::int32_t v : triangles[i]) boxes[i].add(vertices_[v]);
   }
-  Splitter splitter(boxes);
-  const Range root = splitter.all();
+  const Halves halves(boxes);
+  const Range& root = halves[0];
   centre_ = root.box.centre();
   half_ = (root.box.upper - centre_).cwiseMax(centre_ - root.box.lower) * (1.0 + 1e-15);
   const double extent = half_.maxCoeff();
@@ -185,18 +247,19 @@ void WideBvh::build(const std::vector<Corners>& triangles) {
   };
   struct Open {
     std::int32_t node;
-    Range range;
+    int subtree;
   };
-  std::vector<Open> open = {{0, root}};
+  std::vector<Open> open = {{0, 0}};
   nodes_.emplace_back();
   for (std::size_t next = 0; next < open.size(); ++next) {
     const Open now = open[next];
-    const std::vector<Range> children = openToEight(splitter, now.range);
+    const std::vector<int> children = halves.childrenOf(now.subtree);
     for (std::size_t lane = 0; lane < 8; ++lane) {
       const bool used = lane < children.size();
+      const Range& range = halves[used ? children[lane] : now.subtree];
       std::int32_t child = -1;
-      if (used && children[lane].leaf()) {
-        leaves_.push_back(leafOf(splitter, children[lane], triangles));
+      if (used && range.leaf()) {
+        leaves_.push_back(leafOf(halves, range, triangles));
         child = ~static_cast<std::int32_t>(leaves_.size() - 1);
       } else if (used) {
         child = static_cast<std::int32_t>(nodes_.size());
@@ -207,8 +270,8 @@ void WideBvh::build(const std::vector<Corners>& triangles) {
       node.child[lane] = child;
       for (int axis = 0; axis < 3; ++axis) {
         const float far = std::numeric_limits<float>::infinity();
-        node.plane[axis][lane] = used ? outward(children[lane].box.lower[axis], axis, -1.0) : far;
-        node.plane[3 + axis][lane] = used ? outward(children[lane].box.upper[axis], axis, 1.0) : -far;
+        node.plane[axis][lane] = used ? outward(range.box.lower[axis], axis, -1.0) : far;
+        node.plane[3 + axis][lane] = used ? outward(range.box.upper[axis], axis, 1.0) : -far;
       }
     }
   }

@@ -2,7 +2,7 @@
 ///
 /// Guarantee: every box holds the triangles below it in exact arithmetic, in the hierarchy's own units. The
 /// same triangles give the same tree on any machine. Sources: I. Wald 2007 (binned surface area heuristic),
-/// H. Dammertz, J. Hanika, A. Keller 2008 (wide nodes by opening the largest child).
+/// H. Ylitie, T. Karras, S. Laine 2017 (wide nodes by its cost).
 #pragma once
 
 #include <array>

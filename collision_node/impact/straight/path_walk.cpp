@@ -7,9 +7,11 @@ namespace {
 
 using geometry::WideNode;
 
-constexpr float kWider = 0x1p-20f;  ///< four roundings of a quotient, sixteen times over
+constexpr float kWider = 0x1p-20f;  ///< more than a parameter's own roundings, in parts of it
 constexpr double kStill = 0x1p-60;  ///< slower than this along an axis is standing still
 constexpr double kU = 0x1p-53;
+constexpr double kUsualSlack = 0x1p-20;  ///< units
+constexpr double kWidest = 0x1p30;       ///< units; with a wider tube floats say nothing any more
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using FourFloats = float __attribute__((vector_size(kFour * sizeof(float))));
@@ -76,56 +78,44 @@ struct WidePath {
     for (int k = 0; k < 3; ++k) {
       near_plane[k] = walk.near_plane[k];
       far_plane[k] = walk.far_plane[k];
-      near_origin[k] = allEight(-walk.near_origin[k]);
-      far_origin[k] = allEight(-walk.far_origin[k]);
-      near_inverse[k] = allEight(walk.near_inverse[k]);
-      far_inverse[k] = allEight(walk.far_inverse[k]);
+      inverse[k] = allEight(walk.inverse[k]);
+      near[k] = allEight(walk.near[k]);
+      far[k] = allEight(walk.far[k]);
     }
   }
 
   COLLISION_NODE_INLINE Eight nearAt(const WideNode& node, int k) const {
-    return (loadEight(node.plane[0] + near_plane[k]) + near_origin[k]) * near_inverse[k];
+    return loadEight(node.plane[0] + near_plane[k]) * inverse[k] + near[k];
   }
   COLLISION_NODE_INLINE Eight farAt(const WideNode& node, int k) const {
-    return (loadEight(node.plane[0] + far_plane[k]) + far_origin[k]) * far_inverse[k];
+    return loadEight(node.plane[0] + far_plane[k]) * inverse[k] + far[k];
   }
 
   std::int64_t near_plane[3], far_plane[3];
-  Eight near_origin[3], far_origin[3], near_inverse[3], far_inverse[3], begin;
+  Eight inverse[3], near[3], far[3], begin;
 };
 
-/// Children of a node by where the path enters them: the bits of that parameter, which sort as it does, but
-/// for the last three, which are the lane. It rounds down, and choosing the nearest needs no branch.
+/// Children of a node that still wait, by where the path enters them: the bits of that parameter, which sort
+/// as it does, but for the last three, which are the lane. It rounds down, and choosing the nearest needs no
+/// branch.
 struct Entered {
   static constexpr std::int32_t kNone = std::numeric_limits<std::int32_t>::max();
 
-  EightBits keys;
-  const std::int32_t* child;
-  std::int32_t count;
-
-  Entered() = default;
-  COLLISION_NODE_INLINE Entered(const WideNode& node, const WidePath& path, float limit) : child(node.child) {
-    const Eight near =
-        larger(larger(larger(path.nearAt(node, 0), path.nearAt(node, 1)), path.nearAt(node, 2)), path.begin);
-    const Eight far = smaller(smaller(smaller(path.farAt(node, 0), path.farAt(node, 1)), path.farAt(node, 2)),
-                              allEight(limit));
-    const EightBits enters = near <= far;
-    keys = ((EightBits)near & ~7) | EightBits{0, 1, 2, 3, 4, 5, 6, 7};
-    keys = enters ? keys : allEight(kNone);
-    count = __builtin_popcount(lanesOf(enters));
+  COLLISION_NODE_INLINE void take() {
+    keys |= (keys == allEight(nearest)) & kNone;
+    nearest = leastOf(keys);
   }
-
-  /// Of at least one: which, and where it is entered.
-  COLLISION_NODE_INLINE std::int32_t nearest(float& entered) const {
-    const std::int32_t key = leastOf(keys), parameter = key & ~7;
+  COLLISION_NODE_INLINE std::int32_t child() const { return children[nearest & 7]; }
+  COLLISION_NODE_INLINE float entry() const {
+    const std::int32_t parameter = nearest & ~7;
+    float entered;
     std::memcpy(&entered, &parameter, sizeof entered);
-    return key;
+    return entered;
   }
-  COLLISION_NODE_INLINE std::int32_t take(std::int32_t key) {
-    keys |= (keys == allEight(key)) & kNone;
-    --count;
-    return child[key & 7];
-  }
+
+  EightBits keys;
+  const std::int32_t* children;
+  std::int32_t nearest;  ///< kNone: nothing waits
 };
 
 COLLISION_NODE_INLINE std::uint64_t walkAll(const WideBvh& bvh, const PathWalk& walk, float limit,
@@ -134,86 +124,105 @@ COLLISION_NODE_INLINE std::uint64_t walkAll(const WideBvh& bvh, const PathWalk& 
   const WideNode* const nodes = bvh.nodes().data();
   const WideLeaf* const leaves = bvh.leaves().data();
   const double* const vertices = bvh.vertices()->data();
+  const EightBits lanes = {0, 1, 2, 3, 4, 5, 6, 7};
   Entered waiting[WideBvh::kStack / 7];
   int height = 0;
   std::int32_t now = 0;
   float entered = 0.0f;
-  for (std::uint64_t tests = 1;; ++tests) {
-    if (now >= 0) {
-      Entered children(nodes[now], path, limit);
-      if (children.count > 0) {
-        now = children.take(children.nearest(entered));
-        waiting[height] = children;
-        height += children.count > 0;
-        continue;
-      }
-    } else {
+  Eight limits = allEight(limit);
+  std::uint64_t tests = 1;
+  while (true) {
+    for (; now >= 0; ++tests) {
+      const WideNode& node = nodes[now];
+      const Eight near = larger(
+          larger(larger(path.nearAt(node, 0), path.nearAt(node, 1)), path.nearAt(node, 2)), path.begin);
+      const Eight far =
+          smaller(smaller(smaller(path.farAt(node, 0), path.farAt(node, 1)), path.farAt(node, 2)), limits);
+      const EightBits enters = near <= far;
+      if (lanesOf(enters) == 0) break;
+      Entered children;
+      children.keys = enters ? ((EightBits)near & ~7) | lanes : allEight(Entered::kNone);
+      children.children = node.child;
+      children.nearest = leastOf(children.keys);
+      now = children.child();
+      entered = children.entry();
+      children.take();
+      waiting[height] = children;
+      height += children.nearest != Entered::kNone;
+    }
+    if (now < 0) {
       const WideLeaf& leaf = leaves[~now];
       SeenLeaf seen;
-      for (unsigned lanes = nearLanes(walk, vertices, leaf, seen); lanes != 0; lanes &= lanes - 1) {
-        const int lane = __builtin_ctz(lanes);
-        if (leaf.element[lane] >= 0) limit = visitor.visit(leaf, seen, lane, entered, limit);
+      for (unsigned met = nearLanes(walk, vertices, leaf, seen); met != 0; met &= met - 1) {
+        const int lane = __builtin_ctz(met);
+        if (leaf.element[lane] < 0) continue;
+        limit = visitor.visit(leaf, seen, lane, entered, limit);
+        limits = allEight(limit);
       }
     }
-    std::int32_t key = 0;
-    while (true) {
+    do {
       if (height == 0) return tests;
-      key = waiting[height - 1].nearest(entered);
-      if (!(entered > limit)) break;
-      --height;  // so are the others
-    }
-    now = waiting[height - 1].take(key);
-    height -= waiting[height - 1].count == 0;
+      entered = waiting[--height].entry();
+    } while (entered > limit);  // so are the others
+    Entered& next = waiting[height];
+    now = next.child();
+    next.take();
+    height += next.nearest != Entered::kNone;
+    ++tests;
   }
 }
 
 COLLISION_NODE_INLINE Four fourOf(const Vec3& x, double last) { return Four{x[0], x[1], x[2], last}; }
 
-/// In doubles to the part inside the root box, so that floats see numbers of its size only. A time outside is
-/// off by at most a few roundings of the distance over the speed, a place by a few of the distance. An axis
-/// along which the path stands still is one along which it creeps by less than that.
-COLLISION_NODE_INLINE void clip(PathWalk& walk, const WideBvh& bvh, const Vec3& p, const Vec3& v, double to,
-                                double grown) {
+/// Sets everything that boxes need, for a tube of `g` units. Places are seen where the path is level with the
+/// root box's centre, so floats see numbers of the box's size only; farther aside than `aside` nothing is
+/// met. An axis along which the path stands still is one along which it creeps by less than that.
+COLLISION_NODE_INLINE void follow(PathWalk& walk, const WideBvh& bvh, const Vec3& p, const Vec3& v,
+                                  double from, double to, double g) {
+  const ShearedFrame& f = walk.frame;
+  const double scale = bvh.scale(), rate = std::abs(f.rate), level = f.origin[2] - bvh.centre()[f.kz];
+  const double shift = 2.0 + 2.0 * g, pad = kWider * (1.0 + g), aside = 2.5 + 2.5 * g;
   const Four offset = fourOf(p, 0.0) - fourOf(bvh.centre(), 0.0), velocity = fourOf(v, 1.0);
   const FourBits back = velocity < 0.0;
-  const Four speed = larger(magnitude(velocity), Four{} + std::abs(walk.frame.rate) * kStill);
-  const Four half = (fourOf(bvh.half(), kInfinity) + grown) * (1.0 + 0x1p-20);
-  const Four along = back ? -offset : offset, per_speed = 1.0 / speed;
-  const Four in = (-half - along) * per_speed, out = (half - along) * per_speed;
-  const double low = std::max(std::max(in[0], in[1]), std::max(in[2], walk.start)),
-               high = std::min(std::min(out[0], out[1]), std::min(out[2], to));
-  if (low > high) return;
-  walk.misses = false;
-  walk.start = low;
-  walk.span = high - low;
-  const double scale = bvh.scale(), units = walk.span * scale;
-  // 2^-21 of the largest place and the largest way, which are within the box and the tube around it.
-  const double grow = grown * scale * (1.0 + 0x1p-18) + 0x1p-19;
-  const Four place = (offset + low * velocity) * scale, ahead = back ? Four{} - grow : Four{} + grow;
-  const FourFloats still = FourFloats{} + static_cast<float>(kStill);
-  FourFloats way = __builtin_convertvector(speed * units, FourFloats);
-  way = way > still ? way : still;
-  const FourFloats inverse = 1.0f / (__builtin_convertvector(back, FourFloatBits) ? -way : way);
+  const Four speed = larger(magnitude(velocity), Four{} + rate * kStill);
+  const Four place =
+      larger(smaller((offset - (level * f.per_rate) * velocity) * scale, Four{} + aside), Four{} - aside);
+  // Holds the roundings that act like places; the pad holds the others.
+  const double grow = g * (1.0 + 0x1p-18) + 0x1p-19;
+  const FourFloats size = __builtin_convertvector(rate / speed, FourFloats);
+  const Four inverse_size = __builtin_convertvector(size, Four), along = back ? -place : place;
+  const Four middle = shift - along * inverse_size, wider = grow * inverse_size + pad;
   const FourBits lower = {0, kEight, 2 * kEight, 0}, upper = lower + 3 * kEight;
-  store(__builtin_convertvector(place + ahead, FourFloats), walk.near_origin);
-  store(__builtin_convertvector(place - ahead, FourFloats), walk.far_origin);
-  store(inverse * (1.0f - kWider), walk.near_inverse);
-  store(inverse * (1.0f + kWider), walk.far_inverse);
+  store(__builtin_convertvector(back, FourFloatBits) ? -size : size, walk.inverse);
+  store(__builtin_convertvector(middle - wider, FourFloats), walk.near);
+  store(__builtin_convertvector(middle + wider, FourFloats), walk.far);
   store(back ? upper : lower, walk.near_plane);
   store(back ? lower : upper, walk.far_plane);
+
+  walk.first = shift + (f.rate < 0.0 ? -level : level) * scale;
+  walk.per_second = rate * scale;
+  walk.most = 2.0 * shift;
+  const double begin = walk.first + from * walk.per_second, end = walk.first + to * walk.per_second;
+  walk.begin = static_cast<float>(std::clamp(begin, 0.25, walk.most)) * (1.0f - kWider);
+  const Four half = fourOf(bvh.half(), kInfinity) * scale * inverse_size;
+  const Four in = (middle - wider) - half, out = (middle + wider) + half;
+  const double low = std::max(std::max(in[0], in[1]), std::max(in[2], begin)),
+               high = std::min(std::min(out[0], out[1]), std::min(out[2], end));
+  walk.misses = low > high + pad;
 }
 
-void clipBaseline(PathWalk& walk, const WideBvh& bvh, const Vec3& p, const Vec3& v, double to, double grown) {
-  clip(walk, bvh, p, v, to, grown);
+void followBaseline(PathWalk& walk, const WideBvh& bvh, const Vec3& p, const Vec3& v, double from, double to,
+                    double g) {
+  follow(walk, bvh, p, v, from, to, g);
 }
 std::uint64_t walkBaseline(const WideBvh& bvh, const PathWalk& walk, float limit, PathVisitor& visitor) {
   return walkAll(bvh, walk, limit, visitor);
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void clipAvx2(PathWalk& walk, const WideBvh& bvh, const Vec3& p,
-                                              const Vec3& v, double to, double grown) {
-  clip(walk, bvh, p, v, to, grown);
+__attribute__((target("avx2"))) void followAvx2(PathWalk& walk, const WideBvh& bvh, const Vec3& p,
+                                                const Vec3& v, double from, double to, double g) {
+  follow(walk, bvh, p, v, from, to, g);
 }
 __attribute__((target("avx2"))) std::uint64_t walkAvx2(const WideBvh& bvh, const PathWalk& walk, float limit,
                                                        PathVisitor& visitor) {
@@ -233,27 +242,48 @@ Lanes fastestLanes() {
 }
 
 PathWalk::PathWalk(const WideBvh& bvh, const ShearedFrame& sheared, const Vec3& p, const Vec3& v, double from,
-                   double to, double tube, double sheared_tube, double size, Lanes fastest)
-    : lanes(fastest), start(from), span(to - from), frame(sheared), reach(sheared_tube) {
+                   double to, double radius, double error, double sheared_tube, double size, Lanes fastest)
+    : lanes(fastest), frame(sheared), reach(sheared_tube) {
+  const auto followWithin = [&](double slack) {
+    const double g = radius * bvh.scale() + slack;
 #if defined(__x86_64__)
-  if (lanes == Lanes::kAvx2) {
-    clipAvx2(*this, bvh, p, v, to, tube + 32.0 * kU * size);
-    return;
-  }
+    if (lanes == Lanes::kAvx2) return followAvx2(*this, bvh, p, v, from, to, g);
 #endif
-  clipBaseline(*this, bvh, p, v, to, tube + 32.0 * kU * size);
+    followBaseline(*this, bvh, p, v, from, to, g);
+  };
+  // What rounding needs is hardly ever more than this, and the walk does not wait for it.
+  followWithin(kUsualSlack);
+  const double slack = (error + 32.0 * kU * size) * bvh.scale();
+  if (slack < kUsualSlack && radius * bvh.scale() < kWidest) return;
+  if (radius * bvh.scale() + slack < kWidest) {
+    followWithin(slack);
+  } else {
+    meetEverything();
+  }
+}
+
+void PathWalk::meetEverything() {
+  constexpr float kFar = 0x1p100f;
+  misses = false;
+  first = most = 1.0;
+  per_second = 0.0;
+  begin = 0.5f;
+  for (int k = 0; k < 3; ++k) {
+    inverse[k] = 1.0f;
+    near_plane[k] = kEight * k;
+    far_plane[k] = kEight * (k + 3);
+    near[k] = -kFar;
+    far[k] = kFar;
+  }
 }
 
 float PathWalk::parameterUp(double t) const {
-  if (!(span > 0.0)) return 1.0f;
-  const double parameter = (t - start) / span;
-  if (!(parameter < 1.0)) return 1.0f;
-  return static_cast<float>(std::max(0.0, parameter)) * (1.0f + kWider) + kWider;
+  const double parameter = first + t * per_second;
+  return static_cast<float>(std::max(0.0, std::min(parameter, most))) * (1.0f + kWider);
 }
 
 double PathWalk::timeDown(float parameter) const {
-  const double lower = static_cast<double>(parameter) * (1.0 - 0x1p-20) - 0x1p-20;
-  return start + std::max(0.0, lower) * span;
+  return (static_cast<double>(parameter) * (1.0 - 0x1p-20) - first) / per_second;
 }
 
 std::uint64_t walkPath(const WideBvh& bvh, const PathWalk& walk, float limit, PathVisitor& visitor) {

@@ -50,30 +50,36 @@ struct ShearedFrame {
   double error = 0.0;  ///< [m] of any sheared coordinate, against those of the exact path
 };
 
+/// A path's parameter is where it is along the axis z of its frame, in the hierarchy's units, and more than
+/// zero wherever it may meet a box.
 struct PathWalk {
   /// The path p + t v, t in [from, to], p and v in the frame of the hierarchy's vertices [m], [m/s]; v is not
-  /// zero. `tube` [m] is how far from it a triangle is still met, `sheared_tube` the same in sheared
-  /// coordinates beyond their error; 0 where only what the line itself may meet counts. `size` [m] is
+  /// zero. A triangle is met within `radius` + `error` of it [m]; `sheared_tube` is the same in sheared
+  /// coordinates beyond their error, 0 where only what the line itself may meet counts. `size` [m] is
   /// twice a bound of |p| + |vertex| at both ends.
   PathWalk(const WideBvh& bvh, const ShearedFrame& frame, const Vec3& p, const Vec3& v, double from,
-           double to, double tube, double sheared_tube, double size, Lanes fastest);
+           double to, double radius, double error, double sheared_tube, double size, Lanes fastest);
 
   /// The parameter at a time, rounded up.
   float parameterUp(double t) const;
-  /// A time not after the parameter.
+  /// A time not after the parameter; -infinity where nothing is known.
   double timeDown(float parameter) const;
 
   Lanes lanes;
-  bool misses = true;  ///< the root box: nothing to walk
-  double start, span;  ///< [s] of parameter 0, and per parameter
-  // Boxes, in the hierarchy's units; the path's parameter runs from 0 to 1 inside the root box. Of x y z; the
+  bool misses;               ///< the root box: nothing to walk
+  double first, per_second;  ///< the parameter at time 0, and how it grows
+  double most;               ///< no box is met behind it
+  // Boxes: the parameter at a plane is plane * inverse + near (far) for the near (far) planes. Of x y z; the
   // fourth numbers are not used.
-  float near_origin[4], far_origin[4], near_inverse[4], far_inverse[4];
+  float inverse[4], near[4], far[4];
   std::int64_t near_plane[4], far_plane[4];  ///< from WideNode::plane, in floats
-  float begin = 0.0f;                        ///< the parameter that boxes are entered at or after
+  float begin;                               ///< the parameter that boxes are entered at or after
   // Triangles.
   const ShearedFrame& frame;
   double reach;  ///< sheared_tube
+
+ private:
+  void meetEverything();
 };
 
 /// A leaf's triangles in the sheared frame. Edge k is the one across from corner k; the path passes inside a
@@ -93,7 +99,7 @@ class PathVisitor {
   ~PathVisitor() = default;
 };
 
-/// Counts nodes and leaves. Everything from parameter 0 to `limit` is walked.
+/// Counts nodes and leaves. Everything from the path's begin to `limit` is walked.
 std::uint64_t walkPath(const WideBvh& bvh, const PathWalk& walk, float limit, PathVisitor& visitor);
 
 }  // namespace collision_node::impact

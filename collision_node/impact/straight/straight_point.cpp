@@ -72,13 +72,13 @@ class StraightPath::PointVisitor final : public PathCollector {
 
 void StraightPath::firstOfPoint(double from, double to, double width, PathContact& contact,
                                 Lanes lanes) const {
-  const PathWalk walk(*bvh_, frame_, p_, v_, from, to, error_, 0.0, size_, lanes);
+  const PathWalk walk(*bvh_, frame_, p_, v_, from, to, 0.0, error_, 0.0, size_, lanes);
   if (walk.misses) return;
   constexpr int kMostWalks = 4;
   double limit = to;
   for (int walks = 0; walks < kMostWalks; ++walks) {
     PointVisitor visitor(*this, from, to, contact, walk, limit, walks == 0);
-    contact.tests += walkPath(*bvh_, walk, walks == 0 ? 1.0f : walk.parameterUp(limit), visitor);
+    contact.tests += walkPath(*bvh_, walk, walk.parameterUp(limit), visitor);
     contact.kind = PathContact::Kind::kCannotTell;
     contact.lower = contact.upper = from;
     if (visitor.overflowed()) return;

@@ -70,13 +70,13 @@ class StraightPath::SphereVisitor final : public PathCollector {
 
 void StraightPath::firstOfSphere(double from, double to, double width, PathContact& contact,
                                  Lanes lanes) const {
-  const double tube = radius_ + 2.0 * error_ + 32.0 * kUnit * size_;
-  const double sheared = tube *
+  const double error = 2.0 * error_ + 32.0 * kUnit * size_;
+  const double sheared = (radius_ + error) *
                          std::sqrt(1.0 + frame_.shear_x * frame_.shear_x + frame_.shear_y * frame_.shear_y) *
                          (1.0 + 1e-12);
-  const PathWalk walk(*bvh_, frame_, p_, v_, from, to, tube, sheared, size_, lanes);
+  const PathWalk walk(*bvh_, frame_, p_, v_, from, to, radius_, error, sheared, size_, lanes);
   SphereVisitor visitor(*this, from, to, contact, walk);
-  contact.tests += walkPath(*bvh_, walk, 1.0f, visitor);
+  contact.tests += walkPath(*bvh_, walk, walk.parameterUp(to), visitor);
   contact.keepUntil(visitor.limit());
   contact.showEarliest();
   if (contact.count == 0 && !visitor.overflowed()) return;
