@@ -96,17 +96,14 @@ Sweep Traveller::sweepTo(const Sample& sample) const {
   const Vec3& position = sample.pose.pose.position;
   Vec3 hull[4] = {position, position, position, position};
   if (sample.join == Join::kJoined) motion::pathHull(sample.segment.motion, hull);
-  Bounds box{position, position};
   double bulge = 0.0;  // of the hull from the chord
   for (int i = 0; i < 4; ++i) {
-    box.lower = box.lower.cwiseMin(hull[i]);
-    box.upper = box.upper.cwiseMax(hull[i]);
     const Vec3 chord = hull[3] - hull[0], ahead = hull[i] - hull[0];
     const double length2 = chord.squaredNorm();
     const double share = length2 > 0.0 ? std::clamp(ahead.dot(chord) / length2, 0.0, 1.0) : 0.0;
     bulge = std::max(bulge, (ahead - share * chord).norm());
   }
-  return {hull[0], hull[3], (radius_ + bulge) * kUp, scene::grown(box, radius_)};
+  return {hull[0], hull[3], (radius_ + bulge) * kUp};
 }
 
 }  // namespace collision_node::scene

@@ -250,6 +250,33 @@ TEST(StraightPath, LimitAGrazeIsNotDecided) {
   EXPECT_EQ(answer(shot).kind, PathContact::Kind::kCannotTell);
 }
 
+TEST(StraightPath, ATubeWiderThanTheMeshHidesNothing) {
+  for (const double scale : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    SCOPED_TRACE(scale);
+    Shot shot;
+    shot.vertices = {{-scale, -scale, 0}, {scale, -scale, 0}, {0, scale, 0}};
+    shot.triangles = {{0, 1, 2}};
+    for (const double distance : {1.0, 1e3, 1e6, 1e9, 1e12}) {  // of a point: its rounding is the tube
+      shot.from = Vec3(0.0, 0.0, distance);
+      shot.velocity = Vec3(0.0, 0.0, -60.0 * distance);
+      EXPECT_NE(answer(shot).kind, PathContact::Kind::kClear) << distance;
+      shot.from.x() = 1e-16 * distance;  // beside it, and nobody can prove it
+      if (shot.from.x() > 4.0 * scale) {
+        EXPECT_EQ(answer(shot).kind, PathContact::Kind::kCannotTell) << distance;
+      }
+    }
+    for (const double radius : {1.0, 1e3, 1e6}) {
+      shot.radius = radius;
+      shot.velocity = Vec3(0.0, 0.0, -90.0 * radius);
+      shot.from = Vec3(0.9 * radius, 0.0, 1.5 * radius);
+      EXPECT_NE(answer(shot).kind, PathContact::Kind::kClear) << radius;
+      shot.from = Vec3(1.1 * radius, 0.0, 1.5 * radius);
+      EXPECT_NE(answer(shot).kind, PathContact::Kind::kContact) << radius;
+    }
+    shot.radius = 0.0;
+  }
+}
+
 TEST(StraightPath, WhatTurnsOrBendsIsNoStraightPath) {
   const Body body({sheet(1.0)}), point({placed(collision_node::geometry::Point{})});
   const Body off({placed(collision_node::geometry::Sphere{0.1}, Vec3(1, 0, 0))});

@@ -16,9 +16,7 @@ class BroadPhaseTest : public testing::Test {
  protected:
   double real(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
   Vec3 vector(double size) { return {real(-size, size), real(-size, size), real(-size, size)}; }
-  static Sweep sweep(const Vec3& from, const Vec3& to, double radius) {
-    return {from, to, radius, grown({from.cwiseMin(to), from.cwiseMax(to)}, radius)};
-  }
+  static Sweep sweep(const Vec3& from, const Vec3& to, double radius) { return {from, to, radius}; }
 
   std::mt19937_64 random_{17};
 };
@@ -314,6 +312,22 @@ TEST_F(BroadPhaseTest, WhatEndsIsHandedOutOnceAndInTime) {
     ASSERT_EQ(over, expected) << round;
   }
   EXPECT_FALSE(waiting.empty());
+}
+
+// Ways whose inverse is no float any more; and nobody is named but who is there.
+TEST_F(BroadPhaseTest, WaysOfAnyLengthAlongAnAxisMissNobody) {
+  for (const double scale : {1.0, 1e25, 1e32, 1e200}) {
+    for (const double across : {0.0, 5e-324, 1e-300, 1e-31, 1e-29, scale}) {
+      for (const double sign : {-1.0, 1.0}) {
+        const Vec3 to = sign * Vec3(10.0 * scale, across, across), at(0.0, 0.05 * sign, 0.05);
+        BroadPhase broad(2);
+        broad.stand({0}, {Bounds{at, at}});
+        broad.startEpoch();
+        const std::vector<int> found = broad.move(1, {-to, to, 0.1 * scale}, 0, 1, true);
+        EXPECT_EQ(found, std::vector<int>{0}) << scale << ' ' << across * sign;
+      }
+    }
+  }
 }
 
 TEST_F(BroadPhaseTest, ALineMeetsEveryBoxThatAPointOfItIsNear) {

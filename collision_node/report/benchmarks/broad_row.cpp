@@ -43,7 +43,7 @@ void swarmLines(std::size_t count, double reach, bool only_ours, std::vector<Lin
   std::vector<std::vector<Bounds>> boxes;
   for (const std::vector<Sweep>& step : steps) {
     boxes.emplace_back();
-    for (const Sweep& sweep : step) boxes.back().push_back(sweep.box);
+    for (const Sweep& sweep : step) boxes.back().push_back(sweep.box());
   }
   struct Other {
     std::string name;
@@ -91,7 +91,7 @@ void shotLine(bool only_ours, std::vector<Line>& lines) {
   std::vector<Sweep> shots;
   for (int i = 0; i < kShots; ++i) {
     const geometry::Vec3 from = random.inBox(-corner, corner);
-    shots.push_back(sweepAlong(from, from + random.vector(66.0, 67.0), 0.001));
+    shots.push_back({from, from + random.vector(66.0, 67.0), 0.001});
   }
   BroadPhase broad(kObstacles + 1);
   broad.stand(standing, boxes);

@@ -11,10 +11,6 @@ namespace collision_node::report {
 using scene::BroadPhase;
 using scene::Sweep;
 
-Sweep sweepAlong(const geometry::Vec3& from, const geometry::Vec3& to, double radius) {
-  return {from, to, radius, scene::grown({from.cwiseMin(to), from.cwiseMax(to)}, radius)};
-}
-
 std::vector<std::vector<Sweep>> traffic(std::size_t count) {
   Random random(count);
   const double half = 5.0 * std::cbrt(static_cast<double>(count));
@@ -30,7 +26,7 @@ std::vector<std::vector<Sweep>> traffic(std::size_t count) {
   for (std::vector<Sweep>& step : steps) {
     for (std::size_t i = 0; i < count; ++i) {
       const geometry::Vec3 next = at[i] + kTrafficStep * velocity[i];
-      step.push_back(sweepAlong(at[i], next, radius[i]));
+      step.push_back({at[i], next, radius[i]});
       at[i] = next;
       for (int k = 0; k < 3; ++k)
         if (std::abs(next[k]) > half) velocity[i][k] = -std::copysign(velocity[i][k], next[k]);
@@ -46,12 +42,14 @@ std::size_t pairsInTraffic(const std::vector<std::vector<Sweep>>& steps) {
   std::vector<std::pair<int, int>> near;
   std::size_t pairs = 0;
   for (int step = 0; step < kTrafficSteps; ++step) {
+    const auto known = static_cast<std::ptrdiff_t>(near.size());
     for (int i = 0; i < count; ++i)
       for (const int other : broad.move(i, steps[step][i], step, step + 1, step == 0))
         near.emplace_back(std::min(i, other), std::max(i, other));
-    std::sort(near.begin(), near.end());
+    std::sort(near.begin() + known, near.end());
+    std::inplace_merge(near.begin(), near.begin() + known, near.end());
     near.erase(std::unique(near.begin(), near.end()), near.end());
-    for (const auto& [a, b] : near) pairs += scene::meet(steps[step][a].box, steps[step][b].box) ? 1 : 0;
+    for (const auto& [a, b] : near) pairs += scene::meet(steps[step][a].box(), steps[step][b].box()) ? 1 : 0;
     broad.forgetBefore(step + 1);
     near.erase(std::remove_if(near.begin(), near.end(),
                               [&](const auto& pair) { return !broad.mayMeet(pair.first, pair.second); }),

@@ -10,8 +10,6 @@ namespace collision_node::report {
 constexpr int kTrafficSteps = 100;
 constexpr double kTrafficStep = 0.01;  ///< [s]
 
-scene::Sweep sweepAlong(const geometry::Vec3& from, const geometry::Vec3& to, double radius);
-
 /// By step, then by object: spheres at constant density, every tenth at 200 to 2000 m/s, the others at up to
 /// 10 m/s; who leaves the cube turns round.
 std::vector<std::vector<scene::Sweep>> traffic(std::size_t count);

@@ -47,7 +47,7 @@ COLLISION_NODE_INLINE void smaller(Floats& a, const Floats& b) {
   a = b < a ? b : a;
 }
 
-/// By bit.
+/// By bit. A lane that is not in use meets nothing: it is inside out.
 template <int kLanes>
 COLLISION_NODE_INLINE unsigned lanesThatMeet(const BoxNode& node, const FloatBox& box) {
   using R = Registers<kLanes>;
@@ -58,23 +58,21 @@ COLLISION_NODE_INLINE unsigned lanesThatMeet(const BoxNode& node, const FloatBox
     for (int k = 0; k < 3; ++k) meet &= R::lanes(node, 3 + k, first) >= box.plane[k];
     all |= R::bits(meet) << first;
   }
-  return all & ((1U << node.count) - 1U);
+  return all;
 }
 
 template <int kLanes>
 COLLISION_NODE_INLINE unsigned lanesThatMeet(const BoxNode& node, const FloatLine& line) {
   using R = Registers<kLanes>;
-  unsigned all = lanesThatMeet<kLanes>(node, line.box);
+  unsigned all = 0;
   for (int first = 0; first < kWidth; first += kLanes) {
-    typename R::Floats enter = {}, leave = enter + 1.0F, at;
+    typename R::Floats enter = {}, leave = enter + 1.0F;
     for (int k = 0; k < 3; ++k) {
-      at = (R::lanes(node, line.near[k], first) - line.enter_at[k]) * line.inverse[k];
-      larger(enter, at);
-      at = (R::lanes(node, line.far[k], first) - line.leave_at[k]) * line.inverse[k];
-      smaller(leave, at);
+      larger(enter, (R::lanes(node, line.near[k], first) - line.enter_at[k]) * line.inverse[k]);
+      smaller(leave, (R::lanes(node, line.far[k], first) - line.leave_at[k]) * line.inverse[k]);
     }
     const typename R::Mask apart = enter > leave * (1.0F + FloatLine::kWider) + FloatLine::kLater;
-    all &= ~(R::bits(apart) << first);
+    all |= R::bits(~apart) << first;
   }
   return all;
 }

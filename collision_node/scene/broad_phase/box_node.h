@@ -1,4 +1,4 @@
-/// Sixteen boxes side by side, so that one operation serves many of them.
+/// Thirty-two boxes side by side, so that one operation serves many of them.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 namespace collision_node::scene {
 
 struct alignas(64) BoxNode {
-  static constexpr int kWidth = 16;
+  static constexpr int kWidth = 32;
   /// Of what comes to hold a box, among those whose surface grows about alike the smallest.
   static constexpr float kShareOfArea = 0x1p-10F;
 

@@ -1,4 +1,4 @@
-/// A tree of boxes that come and go one by one, sixteen a node.
+/// A tree of boxes that come and go one by one, thirty-two a node.
 ///
 /// Guarantee: find() names every box in the tree that meets what is asked about; a box that only touches
 /// counts. Of a line, see FloatLine; it may err on the side of too many. Source: A. Guttman, R-trees (1984).

@@ -17,7 +17,9 @@ constexpr double kSegmentsAhead = 8.0, kRadiiAhead = 2.0;
 /// A box for an object that may go on as it does. Any box that holds the sweep is right.
 Bounds roomFor(const Sweep& sweep) {
   const Vec3 room = Vec3::Constant(kRoom * sweep.radius);
-  Bounds box{sweep.box.lower - room, sweep.box.upper + room};
+  Bounds box = sweep.box();
+  box.lower -= room;
+  box.upper += room;
   const Vec3 way = sweep.to - sweep.from;
   const double length = way.norm();
   if (length > 0.0) {
@@ -36,7 +38,7 @@ void BroadPhase::stand(const std::vector<int>& objects, const std::vector<Bounds
   if (!boxes.empty()) seeFrom(middle);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     Object& object = objects_[objects[i]];
-    object.stands = true;
+    object.open = kStands;
     object.box = imageOf(boxes[i], origin_);
     standing_tree_.insert(object.box, objects[i]);
   }
@@ -51,7 +53,10 @@ void BroadPhase::seeFrom(const Vec3& place) {
 
 void BroadPhase::startEpoch() {
   has_origin_ = standing_tree_.size() > 0;
-  for (Object& object : objects_) object.open = object.first = -1;
+  for (Object& object : objects_) {
+    object.first = kNone;
+    if (object.open != kStands) object.open = kNone;
+  }
   tree_.clear();
   stays_.clear();
   boxes_.clear();
@@ -88,7 +93,7 @@ const std::vector<int>& BroadPhase::move(int object, const Sweep& sweep, Nanosec
                                          Nanoseconds to_ns, bool begins_anew) {
   seeFrom(sweep.from);
   Object& own = objects_[object];
-  if (!begins_anew && own.open >= 0 && holdsImage(own.box, sweep.box, origin_)) {
+  if (!begins_anew && own.open >= 0 && holdsImage(own.box, sweep.box(), origin_)) {
     found_.clear();
     return found_;
   }
@@ -127,7 +132,7 @@ std::int32_t BroadPhase::begin(int object, const FloatBox& box, Nanoseconds from
 }
 
 void BroadPhase::close(int object, Nanoseconds ns) {
-  const std::int32_t open = std::exchange(objects_[object].open, -1);
+  const std::int32_t open = std::exchange(objects_[object].open, kNone);
   if (open < 0) return;
   stays_[open].to_ns = ns;
   endings_.add(ns, open);
@@ -135,7 +140,10 @@ void BroadPhase::close(int object, Nanoseconds ns) {
 
 void BroadPhase::forgetBefore(Nanoseconds ns) {
   over_.clear();
-  endings_.advance(ns, [this](std::int32_t index) { over_.push_back(index); });
+  endings_.advance(ns, [this](std::int32_t index) {
+    over_.push_back(index);
+    __builtin_prefetch(&stays_[index]);
+  });
   tree_.remove(over_);
   for (const std::int32_t index : over_) {
     Stay& stay = stays_[index];
@@ -146,12 +154,12 @@ void BroadPhase::forgetBefore(Nanoseconds ns) {
 }
 
 bool BroadPhase::mayMeet(int a, int b) const {
-  if (objects_[a].stands) std::swap(a, b);
+  if (objects_[a].open == kStands) std::swap(a, b);
   const Object& first = objects_[a];
   const Object& second = objects_[b];
   for (std::int32_t i = first.first; i >= 0; i = stays_[i].next) {
     const Stay& stay = stays_[i];
-    if (second.stands && boxes_[i].meets(second.box)) return true;
+    if (second.open == kStands && boxes_[i].meets(second.box)) return true;
     for (std::int32_t k = second.first; k >= 0; k = stays_[k].next) {
       const Stay& other = stays_[k];
       if (other.from_ns <= stay.to_ns && stay.from_ns <= other.to_ns && boxes_[i].meets(boxes_[k]))

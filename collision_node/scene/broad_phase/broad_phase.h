@@ -57,11 +57,11 @@ class BroadPhase {
     std::int32_t object, next;  ///< the object's next
     Nanoseconds from_ns, to_ns;
   };
-  struct Object {
-    FloatBox box;             ///< of the stay that lasts, or of who stands
-    std::int32_t open = -1;   ///< the stay that lasts
-    std::int32_t first = -1;  ///< of its stays
-    bool stands = false;
+  static constexpr std::int32_t kNone = -1, kStands = -2;
+  struct alignas(32) Object {
+    FloatBox box;                ///< of the stay that lasts, or of who stands
+    std::int32_t open = kNone;   ///< the stay that lasts, or kStands
+    std::int32_t first = kNone;  ///< of its stays
   };
 
   template <typename Question>

@@ -73,11 +73,11 @@ inline bool holdsImage(const FloatBox& outer, const Bounds& inner, const Vec3& o
 /// axis it is from (near plane - enter_at) * inverse to (far plane - leave_at) * inverse, in shares of its
 /// way.
 ///
-/// Guarantee: whatever comes within the sweep's radius of the line meets the box, and has, over all axes,
-/// enter <= leave * (1 + kWider) + kLater, with 0 <= enter and leave <= 1; as long as the radius has 2^-45 of
-/// the largest coordinate to spare. What is subtracted is rounded outward; the difference, the inverse and
-/// the product are each rounded by at most 2^-24 of themselves, and what is too small for that by far less
-/// than kLater.
+/// Guarantee: whatever comes within the sweep's radius of the line has, over all axes,
+/// enter <= leave * (1 + kWider) + kLater, with 0 <= enter and leave <= 1. A box that is inside out has not:
+/// along every axis it is entered at infinity. What is subtracted is rounded outward; the difference, the
+/// inverse and the product are each rounded by at most 2^-24 of themselves, and what is too small for that by
+/// far less than kLater.
 struct FloatLine {
   static constexpr float kWider = 0x1p-20F, kLater = 0x1p-100F;
 
@@ -85,17 +85,19 @@ struct FloatLine {
   float inverse[3], enter_at[3], leave_at[3];
   int near[3], far[3];  ///< planes of FloatBox
 
-  FloatLine(const Sweep& sweep, const Vec3& origin) : box(imageOf(sweep.box, origin)) {
+  FloatLine(const Sweep& sweep, const Vec3& origin) : box(imageOf(sweep.box(), origin)) {
     constexpr double kStill = 1e-30, kHuge = 1e30;  // [m]
     for (int k = 0; k < 3; ++k) {
       const double way = sweep.to[k] - sweep.from[k], from = sweep.from[k] - origin[k];
-      const bool back = way < 0.0;
+      const bool back = way < -kStill;
       near[k] = back ? 3 + k : k;
       far[k] = back ? k : 3 + k;
-      if (!(std::abs(way) < kHuge && std::abs(from) < kHuge)) {  // the box must do
+      if (!(std::abs(way) < kHuge && std::abs(from) < kHuge)) {  // nobody is apart along this axis
+        near[k] = k;
+        far[k] = 3 + k;
         inverse[k] = 1.0F;
-        enter_at[k] = std::numeric_limits<float>::infinity();
-        leave_at[k] = -enter_at[k];
+        enter_at[k] = std::numeric_limits<float>::max();
+        leave_at[k] = -std::numeric_limits<float>::infinity();
         continue;
       }
       // A shorter way is no way for who is larger by that much.

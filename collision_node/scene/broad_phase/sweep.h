@@ -21,9 +21,12 @@ double distanceBetween(const Bounds& a, const Bounds& b);
 /// All that is within `radius` of the straight line between two points.
 struct Sweep {
   Vec3 from, to;
-  double radius;  ///< [m]
-  Bounds box;     ///< holds all of it
+  double radius;  ///< [m]; has 2^-45 of the largest coordinate to spare for rounding
 
+  Bounds box() const {
+    const Vec3 out = Vec3::Constant(radius);
+    return {from.cwiseMin(to) - out, from.cwiseMax(to) + out};
+  }
   bool isLong() const { return (to - from).squaredNorm() > 4.0 * radius * radius; }
 };
 
