@@ -162,7 +162,21 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   bvh_ = Bvh(vertices_, triangles_, boxes, order);
   storeInOrderOfTheTree(order);
   bvh_.addPlates(vertices_, triangles_);
+  measure();
+}
 
+void Body::resize(const Cylinder& cylinder, const Vec3& centre) {
+  shapes_[0].shape = cylinder;
+  shapes_[0].origin.position = centre;
+  Element& e = primitives_[0];
+  e.centre = representatives_[0] = frames_[0].centre = centre;
+  e.rim_radius = cylinder.radius;
+  e.half_length = 0.5 * cylinder.length;
+  bvh_.replaceOnly(boundsOf(e));
+  measure();
+}
+
+void Body::measure() {
   // The sphere about the root box's centre; |v - c| of the outermost vertex, not the box's diagonal.
   const Vec3 c = centre();
   double radius2 = 0.0;

@@ -40,13 +40,16 @@ struct Element {
   int triangle = -1;          ///< index into the mesh's triangles, -1 for a primitive
 };
 
-/// Immutable after construction; safe to share between threads.
+/// Immutable after construction, but for what says otherwise; safe to share between threads.
 class Body {
  public:
   /// `shapes` are placed in the object's frame. Throws std::invalid_argument when empty.
   explicit Body(std::vector<PlacedShape> shapes);
   Body(const Body&) = delete;  // elements point into their own body
   Body& operator=(const Body&) = delete;
+  /// Of a body that is one cylinder along its z axis and that nobody else looks at: makes it another one.
+  /// Asks for no memory.
+  void resize(const Cylinder& cylinder, const Vec3& centre);
 
   const std::vector<PlacedShape>& shapes() const { return shapes_; }
   std::int32_t elementCount() const {
@@ -81,6 +84,8 @@ class Body {
 
  private:
   void storeInOrderOfTheTree(const std::vector<std::int32_t>& order);
+  /// Sets radius_ and reach_.
+  void measure();
   const WideBvh& buildWide() const;
 
   std::vector<PlacedShape> shapes_;

@@ -336,6 +336,18 @@ Bvh::Bvh(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangl
   }
 }
 
+/// The centre is the origin, exactly; half extents and reach are rounded up twice, as doubles and as floats.
+void Bvh::replaceOnly(const Bounds& box) {
+  origin_ = 0.5 * (box.lower + box.upper);
+  const Vec3 half = (box.upper - origin_).cwiseMax(origin_ - box.lower) * (1.0 + 0x1p-50);
+  BvhBlock& root = blocks_.front();
+  for (int k = 0; k < 3; ++k) {
+    root.centre[k][0] = 0.0F;
+    root.half[k][0] = roundedUp(half[k]);
+  }
+  root.reach[0] = roundedUp(box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).norm() * (1.0 + 0x1p-50));
+}
+
 bool Bvh::exists(std::int32_t node) const { return (*this)[node].half[0] >= 0.0F; }
 
 Vec3 Bvh::centre(std::int32_t node) const {

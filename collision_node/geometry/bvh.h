@@ -67,6 +67,9 @@ class Bvh {
   /// in which the tree meets them first.
   void addPlates(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles);
 
+  /// Another box for a hierarchy over one box; asks for no memory.
+  void replaceOnly(const Bounds& box);
+
   /// Nodes are numbered 4 block + lane.
   BvhNode operator[](std::int32_t node) const;
   const BvhBlock& block(std::int32_t i) const { return blocks_[i]; }

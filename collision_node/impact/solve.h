@@ -23,8 +23,7 @@ struct Solution {
 };
 
 /// Solves one piece. Thread-safe for distinct workspaces. Allocates nothing after a workspace's and a
-/// solution's first calls of a kind, but for the shells of bodies that turn by more than 7 rad in the piece
-/// (some 60 times). Never throws for numeric reasons.
+/// solution's first calls of a kind. Never throws for numeric reasons.
 void solve(const geometry::Body& a, const geometry::Body& b, const Piece& piece, const PairOptions& options,
            Workspace& workspace, Solution& solution);
 

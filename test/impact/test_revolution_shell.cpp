@@ -53,6 +53,29 @@ TEST(RevolutionShell, OfALargeMeshLooksAtFewNodesAndStillHoldsIt) {
   EXPECT_LT(r.radius, 1.4);
 }
 
+TEST(RevolutionShell, ACylinderMadeAnotherOneIsAsGoodAsANewOne) {
+  const auto cylinder = [](double radius, double length, double z) {
+    return Body({moving::placed(geometry::Cylinder{radius, length}, {0, 0, z})});
+  };
+  Body kept = cylinder(1.0, 1.0, 0.0);
+  for (int i = 0; i < 200; ++i) {
+    fuzz::Random random(kSeed + 1, i);
+    const double radius = random.decade(-3, 3), length = random.decade(-3, 3), z = random.in(-1, 1) * length;
+    kept.resize({radius, length}, {0, 0, z});
+    const Body made = cylinder(radius, length, z);
+    const Element &k = kept.primitive(0), &m = made.primitive(0);
+    EXPECT_TRUE(k.centre == m.centre && k.axis == m.axis && k.rim_radius == m.rim_radius &&
+                k.half_length == m.half_length && k.frame->centre == m.frame->centre);
+    EXPECT_EQ(kept.reach(), made.reach());
+    EXPECT_NEAR(kept.radius(), made.radius(), 1e-6 * made.radius());
+    // Its box holds the cylinder, and hardly more.
+    const Vec3 half(radius, radius, 0.5 * length), away = (kept.bvh().centre(0) - k.centre).cwiseAbs();
+    EXPECT_TRUE(((kept.bvh().half(0) - away - half).array() >= 0.0).all()) << i;
+    EXPECT_TRUE(((kept.bvh().half(0) - half).array() <= 1e-6 * half.maxCoeff()).all()) << i;
+    EXPECT_GE(kept.bvh()[0].reach, std::hypot(radius, 0.5 * length + std::abs(z)));
+  }
+}
+
 /// A blade in the plane z = 0 of half length 1 m, `turns` a frame, its shell `gap` from a wall at rest.
 struct Blade {
   Watched pair;

@@ -1,9 +1,9 @@
 #include "collision_node/impact/walk/revolution_shell.h"
 
 #include <algorithm>
+#include <boost/container/static_vector.hpp>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "collision_node/impact/walk/search.h"
 
@@ -46,13 +46,17 @@ void add(Revolution& r, const Vec3& axis, const Vec3& centre, const Vec3& half) 
 }
 
 /// The body about its spin axis, grown by `slack` [m]: a cylinder along z.
-std::unique_ptr<Body> shellOf(const Body& body, const Vec3& axis, double slack) {
+const Body* shellOf(const Body& body, const Vec3& axis, double slack, std::unique_ptr<Body>& shell) {
+  if (!shell) {
+    geometry::PlacedShape any;
+    any.shape = geometry::Cylinder{1.0, 1.0};
+    any.source = "shell";
+    shell = std::make_unique<Body>(std::vector<geometry::PlacedShape>{any});
+  }
   const Revolution r = revolve(body, axis);
-  geometry::PlacedShape shape;
-  shape.shape = geometry::Cylinder{r.radius + slack, (r.highest - r.lowest) + 2.0 * slack};
-  shape.origin.position = Vec3(0.0, 0.0, 0.5 * (r.lowest + r.highest));
-  shape.source = "shell";
-  return std::make_unique<Body>(std::vector<geometry::PlacedShape>{shape});
+  shell->resize({r.radius + slack, (r.highest - r.lowest) + 2.0 * slack},
+                Vec3(0.0, 0.0, 0.5 * (r.lowest + r.highest)));
+  return shell.get();
 }
 
 }  // namespace
@@ -63,11 +67,12 @@ Revolution revolve(const Body& body, const Vec3& axis) {
   // Breadth first: the boxes of the last level reached stand for everything below them.
   constexpr std::int32_t kWidth = geometry::BvhBlock::kWidth;
   const geometry::Bvh& bvh = body.bvh();
-  std::vector<std::int32_t> level = {geometry::Bvh::kRoot};
+  using Level = boost::container::static_vector<std::int32_t, kMostNodes>;
+  Level level = {geometry::Bvh::kRoot};
   Vec3 buffer[3];
   while (!level.empty()) {
     const bool deeper = kWidth * level.size() <= kMostNodes;
-    std::vector<std::int32_t> next;
+    Level next;
     for (const std::int32_t id : level) {
       const geometry::BvhNode node = bvh[id];
       if (node.leaf()) {
@@ -80,38 +85,35 @@ Revolution revolve(const Body& body, const Vec3& axis) {
         add(r, axis, bvh.centre(id), bvh.half(id));
       }
     }
-    level.swap(next);
+    level = next;
   }
   const double pad = 64.0 * kUnit * body.reach();
   return {r.radius * kUp + pad, r.lowest - pad, r.highest + pad};
 }
 
-ShellPair::ShellPair(std::unique_ptr<Body> a, std::unique_ptr<Body> b, const PairPiece& piece)
-    : shell_a_(std::move(a)),
-      shell_b_(std::move(b)),
-      still_(shell_a_ ? *shell_a_ : piece.a, shell_b_ ? *shell_b_ : piece.b,
-             piece.motion.stilled(shell_a_ != nullptr, shell_b_ != nullptr), piece.contact_distance,
-             piece.tube),
+ShellPair::ShellPair(const Body* a, const Body* b, const PairPiece& piece)
+    : still_(a != nullptr ? *a : piece.a, b != nullptr ? *b : piece.b,
+             piece.motion.stilled(a != nullptr, b != nullptr), piece.contact_distance, piece.tube),
       budget_(static_cast<std::uint64_t>(std::min(
           1e9, kTestsPerRadian * piece.motion.duration() * (piece.motion.spinA() + piece.motion.spinB())))) {}
 
-std::unique_ptr<ShellPair> ShellPair::of(const PairPiece& piece) {
+std::optional<ShellPair> ShellPair::of(const PairPiece& piece, ShellBodies& bodies) {
   const RelativeMotion& m = piece.motion;
   const bool far_a = m.spinA() * m.duration() > kTurn && piece.a.reach() > 0.0;
   const bool far_b = m.spinB() * m.duration() > kTurn && piece.b.reach() > 0.0;
-  if (!far_a && !far_b) return nullptr;
-  std::unique_ptr<Body> a, b;
+  if (!far_a && !far_b) return std::nullopt;
+  const Body *a = nullptr, *b = nullptr;
   // The axis in the object's frame is as good as the rotation it is seen through; so is where the body lies
   // in it.
   if (far_a) {
     const double slack = 2.0 * m.rotationErrorA() * piece.a.reach() + piece.a.placingError();
-    a = shellOf(piece.a, m.rotationA(0.0).transpose() * m.omegaA().normalized(), slack);
+    a = shellOf(piece.a, m.rotationA(0.0).transpose() * m.omegaA().normalized(), slack, bodies.a);
   }
   if (far_b) {
     const double slack = 2.0 * m.rotationErrorB() * piece.b.reach() + piece.b.placingError();
-    b = shellOf(piece.b, m.rotationB(0.0).transpose() * m.omegaB().normalized(), slack);
+    b = shellOf(piece.b, m.rotationB(0.0).transpose() * m.omegaB().normalized(), slack, bodies.b);
   }
-  return std::unique_ptr<ShellPair>(new ShellPair(std::move(a), std::move(b), piece));
+  return ShellPair(a, b, piece);
 }
 
 bool ShellPair::clear(double& from, double& to, double stop, std::uint64_t& node_tests,

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "collision_node/impact/pair_piece.h"
 #include "collision_node/impact/workspace.h"
@@ -22,20 +23,25 @@ struct Revolution {
 /// `axis`: unit, object's frame. Looks at no more than some hundred nodes; boxes stand for what lies below.
 Revolution revolve(const Body& body, const Vec3& axis);
 
+/// Two cylinders that any shells are made of; null until a body turns far.
+struct ShellBodies {
+  std::unique_ptr<Body> a, b;
+};
+
 /// The pair with every body that turns far replaced by its shell.
 class ShellPair {
  public:
-  /// Null when neither body turns by more than about half a turn in the piece.
-  static std::unique_ptr<ShellPair> of(const PairPiece& piece);
+  /// None when neither body turns by more than about a turn in the piece. `bodies` become its shells.
+  static std::optional<ShellPair> of(const PairPiece& piece, ShellBodies& bodies);
 
   /// Narrows [from, to] to what is not proved clear; false when nothing is left. Adds to `node_tests`.
   /// `workspace` is not that of the search which asks.
   bool clear(double& from, double& to, double stop, std::uint64_t& node_tests, Workspace& workspace) const;
 
  private:
-  ShellPair(std::unique_ptr<Body> a, std::unique_ptr<Body> b, const PairPiece& piece);
+  /// A shell that is null stands for the body itself.
+  ShellPair(const Body* a, const Body* b, const PairPiece& piece);
 
-  std::unique_ptr<Body> shell_a_, shell_b_;  ///< null: the body itself
   PairPiece still_;
   std::uint64_t budget_;  ///< node tests; what they leave open is searched anyway
 };

@@ -113,7 +113,7 @@ class Search {
   const Span reach_;
   const NodeTest test_;
   std::uint64_t budget_, node_tests_ = 0;
-  std::unique_ptr<ShellPair> shells_;  ///< null when nothing turns far
+  std::optional<ShellPair> shells_;  ///< none when nothing turns far
   Workspace* workspace_of_shells_;
   std::optional<StraightPath> straight_;
   PathContact path_contact_;
@@ -137,6 +137,7 @@ struct Workspace::Buffers {
   std::vector<Search::Near> near;
   std::vector<ContactWitness> found;
   ViewBuffers views;
+  ShellBodies shell_bodies;           ///< of one search at a time
   std::unique_ptr<Workspace> shells;  ///< null until a body turns far
 
   Workspace& forShells() {
