@@ -131,5 +131,33 @@ TEST(SphereFacts, OnAFaceTheNormalIsTheFaces) {
   }
 }
 
+/// Seen straight along a tilted axis, rounding may leave any direction as the way across it.
+TEST(SphereFacts, ABallOnACapHoldsTheContactHoweverTheCylinderIsTilted) {
+  const double height = 0.5, rim = 1.0, radius = 0.25, start = 1.0;
+  const Body sphere({placed(collision_node::geometry::Sphere{radius})});
+  PairOptions options;
+  options.scope = Scope::kFirstContact;
+  options.time_precision = 0.1;
+  options.distance_precision = 10.0;
+  Workspace workspace;
+  Solution solution;
+  for (int i = 0; i < 4000; ++i) {
+    const Quat turn = Quat(std::cos(i), std::sin(i), std::cos(3.0 * i), std::sin(7.0 * i)).normalized(),
+               tilt = turn * turn;
+    PlacedShape shape = placed(collision_node::geometry::Cylinder{rim, 2.0 * height});
+    shape.origin.orientation = turn;
+    const Body cylinder({shape});
+    Piece piece;
+    piece.end_ns = 1'000'000'000;
+    piece.a = collision_node::motion::fixedAt({Vec3::Zero(), turn});
+    piece.b =
+        flight(0, piece.end_ns, tilt * Vec3(0.9 * rim, 0.0, height + start), tilt * Vec3(0.0, 0.0, -start));
+    solve(cylinder, sphere, piece, options, workspace, solution);
+    ASSERT_EQ(solution.events.size(), 1U);
+    const PairEvent& event = solution.events[0];
+    EXPECT_LE((event.position - tilt * Vec3(0.9 * rim, 0.0, height)).norm(), event.position_error) << i;
+  }
+}
+
 }  // namespace
 }  // namespace moving

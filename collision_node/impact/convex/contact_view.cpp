@@ -25,6 +25,20 @@ constexpr Turn kFarTurns[] = {{0.070737201667702910088, 0.99749498660405443094},
                               {0.070737201667702910088, -0.99749498660405443094},
                               {-0.98999249660044545727, 0.14112000805986722210}};
 
+/// The unit vector across a cylinder's axis that leans towards `up`, and by how much `up` does. Of what is
+/// left of `up` nearly along the axis rounding may make one along the axis: there it leans to no side.
+Vec3 sideways(const Vec3& axis, const Vec3& up, double* radial) {
+  constexpr double kAlong = 1e-9;
+  Vec3 side = up - up.dot(axis) * axis;
+  *radial = side.norm();
+  if (*radial < kAlong) {
+    *radial = 0.0;
+    return axis.unitOrthogonal();
+  }
+  side /= *radial;
+  return (side - side.dot(axis) * axis).normalized();
+}
+
 /// The two points of a cap that are about farthest from each other, and what lies beside the line through
 /// them.
 struct Strip {
@@ -108,9 +122,8 @@ double ContactView::see(const Sight& sight, std::vector<SeenPoint>& points) {
   } else {
     top = sight.see(supportOf(e, sight.up))[0];
     const double along = sight.up.dot(e.axis);
-    Vec3 side = sight.up - along * e.axis;
-    if (side.norm() < 1e-9) side = e.axis.unitOrthogonal();
-    side.normalize();
+    double radial = 0.0;
+    const Vec3 side = sideways(e.axis, sight.up, &radial);
     const Vec3 middle = sight.see(e.centre),
                end = sight.turn * (std::copysign(e.half_length, along) * e.axis);
     const Vec3 x = sight.turn * (e.rim_radius * side), y = sight.turn * (e.rim_radius * e.axis.cross(side));
@@ -212,13 +225,8 @@ void ContactView::cap(const Sight& sight, const std::vector<SeenPoint>& points, 
     return;
   }
   const double along = sight.up.dot(e.axis);
-  Vec3 side = sight.up - along * e.axis;
-  const double radial = side.norm();
-  if (radial > 0.0) {
-    side /= radial;
-  } else {
-    side = e.axis.unitOrthogonal();
-  }
+  double radial = 0.0;
+  const Vec3 side = sideways(e.axis, sight.up, &radial);
   const Vec3 other = e.axis.cross(side);
   const double r = e.rim_radius;
   const double z_low =
