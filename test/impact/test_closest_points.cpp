@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "collision_node/impact/convex/closest_points.h"
+#include "collision_node/impact/convex/gjk.h"
 #include "test/impact/moving_pair.h"
 
 namespace collision_node::impact {
@@ -220,6 +221,22 @@ TEST(ClosestPoints, OnARimTheyAreAsCloseAndSlide) {
   EXPECT_GT(found, 500);
   EXPECT_LE(off, found / 100);
   std::printf("%d pairs closest on a rim, %d at a change of features\n", found, off);
+}
+
+/// Proofs of contact take it for a point of the core, however nearly along the axis the direction is.
+TEST(ClosestPoints, ACylindersSupportIsAPointOfTheCylinder) {
+  Random random(kSeed, 0);
+  for (int i = 0; i < 100000; ++i) {
+    geometry::PlacedShape shape;
+    shape.shape = geometry::Cylinder{1.0, 1.0};
+    shape.origin.orientation = random.orientation();
+    const Body body({shape});
+    const Element& e = body.primitive(0);
+    const Vec3 direction = (e.axis + random.decade(-13.0, -1.0) * e.axis.unitOrthogonal()).normalized();
+    const Vec3 p = supportOf(e, direction);
+    EXPECT_LE(p.dot(e.axis), 0.5 + 4e-15) << i;
+    EXPECT_LE((p - p.dot(e.axis) * e.axis).norm(), 1.0 + 4e-15) << i;
+  }
 }
 
 }  // namespace

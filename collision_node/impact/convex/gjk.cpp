@@ -207,7 +207,8 @@ Vec3 supportOf(const Element& e, const Vec3& direction) {
     return e.vertices[best];
   }
   const double along = direction.dot(e.axis);
-  const Vec3 across = direction - along * e.axis;
+  Vec3 across = direction - along * e.axis;
+  across -= across.dot(e.axis) * e.axis;  // what the first difference rounded may lie along the axis
   const double length = across.norm();
   Vec3 p = e.centre + (along >= 0.0 ? e.half_length : -e.half_length) * e.axis;
   if (length > 1e-12 * std::abs(along)) p += (e.rim_radius / length) * across;
