@@ -21,6 +21,13 @@ double PieceRun::soonestApart(double contact, double nothing, double at) {
   return at;
 }
 
+std::optional<double> PieceRun::lastContact(double contact, double apart, ContactWitness& found) {
+  for (double back = width_; apart - back > contact + width_ && !search_.exhausted(); back *= 2.0) {
+    if (search_.classify(apart - back, &found, back) == Proved::kContact) return apart - back;
+  }
+  return std::nullopt;
+}
+
 bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
   double look = floor_;
   double proved = t;   // contact is proved up to here
@@ -59,6 +66,11 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
       const bool owed = !next.found || next.time - at > at - proved;
       if (owed) {
         t = soonestApart(proved, nothing, at);
+        if (const auto last = lastContact(proved, t, found)) {
+          t = *last;
+          witness = std::move(found);
+          continue;
+        }
         openSeparation(proved);
         publishSeparation(t);
         return true;

@@ -51,6 +51,10 @@ class PieceRun {
   /// The same at the other end of a contact, proved at `contact`: the pair is apart at `at`, and at the time
   /// returned.
   double soonestApart(double contact, double nothing, double at);
+  /// A contact too shallow to be proved for a while may be deep again shortly before it ends: the last
+  /// instant looked at before `apart` at which contact is proved, where that narrows the bracket from
+  /// `contact`.
+  std::optional<double> lastContact(double contact, double apart, ContactWitness& found);
   /// The bracket's search has proved the contact itself. False where it is not known what comes behind it.
   bool closeStraight(const PathContact& met, std::optional<ContactWitness>& witness);
   /// The piece ends inside an open bracket. One that has been open for a whole piece is published and holds

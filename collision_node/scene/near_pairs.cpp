@@ -14,8 +14,18 @@ constexpr Nanoseconds kAlways = std::numeric_limits<Nanoseconds>::min();
 /// Up to here every pair exists from the start: looking for neighbours would cost more than it saves.
 constexpr std::size_t kFewObjects = 48;
 
+/// So many more are not worth a look at all of them.
+constexpr std::size_t kFewPairs = 64;
+
 std::uint64_t keyOf(int a, int b) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32) | static_cast<std::uint32_t>(b);
+}
+
+/// By the next heartbeat: a pair that does not exist counts as culled.
+bool isMissed(const ObjectPair& pair) {
+  const std::vector<PairWatch>& watches = pair.watches();
+  return std::any_of(watches.begin(), watches.end(),
+                     [](const PairWatch& watch) { return watch.worstAnswer() != impact::Answer::kCulled; });
 }
 
 }  // namespace
@@ -66,12 +76,11 @@ void PairTable::makeNear(int a, int b, Nanoseconds proved_ns) {
   goOnBehindProof(pair, proved_ns);
 }
 
-/// Pairs that rest, and whose stays have nothing to do with each other any more.
-void PairTable::retire() {
+void PairTable::retire(bool is_told) {
   if (!broad_) return;
   for (std::size_t i = 0; i < pairs_.size();) {
     ObjectPair& pair = *pairs_[i];
-    if (!pair.isResting() || broad_->mayMeet(pair.a(), pair.b())) {
+    if (!pair.isResting() || (!is_told && isMissed(pair)) || broad_->mayMeet(pair.a(), pair.b())) {
       ++i;
       continue;
     }
@@ -81,6 +90,7 @@ void PairTable::retire() {
     pairs_[i] = std::move(pairs_.back());
     pairs_.pop_back();
   }
+  retire_at_ = 2 * pairs_.size() + kFewPairs;
 }
 
 void PairTable::addAllPairs() {

@@ -250,6 +250,7 @@ void PairTable::solve(Nanoseconds rest_known_ns, EventQueue& queue) {
   }
   noted_.clear();
   if (broad_) broad_->forgetBefore(rest_known_ns);
+  if (pairs_.size() >= retire_at_) retire(false);
 }
 
 void PairTable::takeAway(ObjectPair& pair, EventQueue& queue) {
@@ -323,7 +324,7 @@ void PairTable::beat() {
   for (const auto& pair : statics_)
     for (PairWatch& watch : pair->watches()) watch.clearAnswer();
   coverage_.beat(world_.time_line);
-  retire();
+  retire(true);
 }
 
 }  // namespace collision_node::scene

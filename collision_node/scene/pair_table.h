@@ -61,7 +61,9 @@ class PairTable {
   void beginBroadPhase();
   void meetOnes(int object, const std::vector<int>& others, Nanoseconds proved_ns);
   void makeNear(int a, int b, Nanoseconds proved_ns);
-  void retire();
+  /// Takes away pairs that rest, and whose stays have nothing to do with each other any more; unless the
+  /// heartbeat `is_told`, none that it would miss.
+  void retire(bool is_told);
   void addPair(int a, int b);
   void wakeUp(int track);
   void makeDue(ObjectPair& pair);
@@ -86,6 +88,7 @@ class PairTable {
   };
   std::vector<Meeting> met_;  ///< since the last solve()
   std::vector<std::unique_ptr<ObjectPair>> spare_;
+  std::size_t retire_at_ = 0;  ///< so many pairs are too many
   std::vector<int> fixed_late_;
   Crew crew_;
   std::vector<std::vector<ObjectPair*>> awake_;  ///< by object

@@ -143,6 +143,9 @@ TEST(Fuzz, FoundBracketsOfCommonSpeedsAndOfPartingsWithinW) {
   for (const int index : {6036, 6522, 7616, 16094, 16467}) expectNoComplaint(fuzz::makeWideCase, 7, index);
 }
 
+/// A point rides along a face, too shallow to say whether inside, and leaves a box through another face.
+TEST(Fuzz, FoundPartingBehindARideAlongAFace) { expectNoComplaint(fuzz::makeWideCase, 11, 909); }
+
 /// The ball held what a spinning point's own turn would do to the normal of a capsule.
 TEST(Fuzz, FoundBallOfASpinningPoint) { expectNoComplaint(fuzz::makeWideCase, 7, 15163); }
 
