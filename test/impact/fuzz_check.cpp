@@ -156,10 +156,11 @@ class Examination {
     sharp(e);
   }
 
-  /// Where W allows it the instant itself is known to 1e-12 of the step.
+  /// Where W allows it the instant itself is known to 1e-12 of the step. Of two cylinders the oracle does not
+  /// always know it as well.
   void sharp(const PairEvent& e) {
     const Real step = pair_.duration();
-    if (truth_.width > 1e-12L * step) return;
+    if (truth_.width > 1e-12L * step || truth_.first.hi - truth_.first.lo > 1e-13L * step) return;
     const Real off = std::max(truth_.first.hi - e.toi_lower, e.toi_upper - truth_.first.lo);
     sharpest_ = off / step;
     if (off > 1e-12L * step) complain("the instant is off by %.3Lg of the step", off / step);

@@ -91,13 +91,15 @@ Revolution revolve(const Body& body, const Vec3& axis) {
   return {r.radius * kUp + pad, r.lowest - pad, r.highest + pad};
 }
 
-ShellPair::ShellPair(const Body* a, const Body* b, const PairPiece& piece)
+ShellPair::ShellPair(const Body* a, const Body* b, const PairPiece& piece, std::uint64_t node_budget)
     : still_(a != nullptr ? *a : piece.a, b != nullptr ? *b : piece.b,
              piece.motion.stilled(a != nullptr, b != nullptr), piece.contact_distance, piece.tube),
       budget_(static_cast<std::uint64_t>(std::min(
-          1e9, kTestsPerRadian * piece.motion.duration() * (piece.motion.spinA() + piece.motion.spinB())))) {}
+          static_cast<double>(node_budget),
+          kTestsPerRadian * piece.motion.duration() * (piece.motion.spinA() + piece.motion.spinB())))) {}
 
-std::optional<ShellPair> ShellPair::of(const PairPiece& piece, ShellBodies& bodies) {
+std::optional<ShellPair> ShellPair::of(const PairPiece& piece, std::uint64_t node_budget,
+                                       ShellBodies& bodies) {
   const RelativeMotion& m = piece.motion;
   const bool far_a = m.spinA() * m.duration() > kTurn && piece.a.reach() > 0.0;
   const bool far_b = m.spinB() * m.duration() > kTurn && piece.b.reach() > 0.0;
@@ -113,7 +115,7 @@ std::optional<ShellPair> ShellPair::of(const PairPiece& piece, ShellBodies& bodi
     const double slack = 2.0 * m.rotationErrorB() * piece.b.reach() + piece.b.placingError();
     b = shellOf(piece.b, m.rotationB(0.0).transpose() * m.omegaB().normalized(), slack, bodies.b);
   }
-  return ShellPair(a, b, piece);
+  return ShellPair(a, b, piece, node_budget);
 }
 
 bool ShellPair::clear(double& from, double& to, double stop, std::uint64_t& node_tests,

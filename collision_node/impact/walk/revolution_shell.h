@@ -32,7 +32,7 @@ struct ShellBodies {
 class ShellPair {
  public:
   /// None when neither body turns by more than about a turn in the piece. `bodies` become its shells.
-  static std::optional<ShellPair> of(const PairPiece& piece, ShellBodies& bodies);
+  static std::optional<ShellPair> of(const PairPiece& piece, std::uint64_t node_budget, ShellBodies& bodies);
 
   /// Narrows [from, to] to what is not proved clear; false when nothing is left. Adds to `node_tests`.
   /// `workspace` is not that of the search which asks.
@@ -40,7 +40,7 @@ class ShellPair {
 
  private:
   /// A shell that is null stands for the body itself.
-  ShellPair(const Body* a, const Body* b, const PairPiece& piece);
+  ShellPair(const Body* a, const Body* b, const PairPiece& piece, std::uint64_t node_budget);
 
   PairPiece still_;
   std::uint64_t budget_;  ///< node tests; what they leave open is searched anyway

@@ -33,7 +33,7 @@ Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& wor
       reach_(reachOf(piece)),
       test_(piece),
       budget_(node_budget),
-      shells_(ShellPair::of(piece, workspace.buffers().shell_bodies)),
+      shells_(ShellPair::of(piece, node_budget, workspace.buffers().shell_bodies)),
       workspace_of_shells_(shells_ ? &workspace.buffers().forShells() : nullptr),
       straight_(std::move(straight)),
       slabs_(piece, workspace.buffers().slabs),

@@ -72,7 +72,7 @@ class Search {
   const Span& withinReach() const { return reach_; }
 
   void countTest() { ++node_tests_; }
-  bool exhausted() const { return node_tests_ > budget_; }
+  bool exhausted() const { return node_tests_ > budget_ || slabs_.areMany(); }
   std::uint64_t nodeTests() const { return node_tests_; }
   std::uint64_t subdivisions() const { return slabs_.subdivisions(); }
   const PairPiece& piece() const { return piece_; }

@@ -7,6 +7,7 @@ namespace collision_node::impact {
 namespace {
 
 constexpr double kUp = 1.0 + 64.0 * kUnit;
+constexpr std::size_t kMany = std::size_t{1} << 19;
 
 void store(const Mat3& m, double to[3][4]) {
   for (int i = 0; i < 3; ++i) {
@@ -71,6 +72,7 @@ std::int32_t TimeSlabs::add(double low, double high) {
   fill(s.in_b, -(now.rb.transpose() * now.d), -(now.rb.transpose() * (now.d_rate - wb.cross(now.d))),
        q0.transpose(), q1.transpose(), extent.transpose(), middle_b, middle_a, pathBend(wb, m.spinB()));
   slabs_.push_back(s);
+  are_many_ = are_many_ || slabs_.size() >= kMany;
   return static_cast<std::int32_t>(slabs_.size()) - 1;
 }
 

@@ -38,6 +38,8 @@ class TimeSlabs {
   const Slab& operator[](std::int32_t slab) const { return slabs_[slab]; }
   std::int32_t childOf(std::int32_t slab, bool late);
   std::uint64_t subdivisions() const { return subdivisions_; }
+  /// Have there been so many at once that memory is to be spared? Some 400 MB.
+  bool areMany() const { return are_many_; }
 
  private:
   std::int32_t add(double low, double high);
@@ -45,6 +47,7 @@ class TimeSlabs {
   const PairPiece& piece_;
   std::vector<Slab>& slabs_;
   std::uint64_t subdivisions_ = 0;
+  bool are_many_ = false;
 };
 
 }  // namespace collision_node::impact
