@@ -57,11 +57,12 @@ enum class Scope : std::uint8_t {
 };
 
 struct PairOptions {
-  double time_precision = 1e-9;         ///< [s] where refinement of a bracket may stop
-  double distance_precision = 1e-6;     ///< [m] where refinement of the position ball may stop
-  double contact_distance = 0.0;        ///< [m] >= 0; touching means distance <= this
-  std::uint64_t node_budget = 4000000;  ///< node tests one piece may cost; met: POSSIBLE, reason BUDGET
-  Scope scope = Scope::kWholePiece;     ///< streams need kWholePiece
+  double time_precision = 1e-9;      ///< [s] where refinement of a bracket may stop
+  double distance_precision = 1e-6;  ///< [m] where refinement of the position ball may stop
+  double contact_distance = 0.0;     ///< [m] >= 0; touching means distance <= this
+  /// Node tests one piece may cost; met, as some 400 MB of halved times are: POSSIBLE, reason BUDGET.
+  std::uint64_t node_budget = 4000000;
+  Scope scope = Scope::kWholePiece;  ///< streams need kWholePiece
 };
 
 /// One side of a contact, in the frame of the object (not of the link).

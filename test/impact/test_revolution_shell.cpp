@@ -139,5 +139,34 @@ TEST(RevolutionShell, ANearMissInReachForFiveHundredTurnsIsClearOrUndecidedInBou
   EXPECT_TRUE(outcome.answer == Answer::kClear || outcome.budget_met);
 }
 
+TEST(RevolutionShell, MillionsOfHalvedTimesAreABudgetToo) {
+  // The same with meshes, whose turns are walked in halves of time that are kept.
+  const moving::Shapes blade = {moving::boxMesh({1.0, 0.01, 0.01})};
+  for (const double turns : {100.0, 5e3}) {
+    Watched pair(blade, blade);
+    const auto a = flight(0, kFrame, Vec3::Zero(), Vec3::Zero(), {0, 0, turns * kTurns});
+    const auto b = flight(0, kFrame, {1.5, 0, 0}, Vec3::Zero(), {0, 0, -turns * kTurns},
+                          geometry::Quat(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ())));
+    const auto outcome = pair.advance(0, kFrame, a, b);
+    EXPECT_LE(outcome.subdivisions, 1u << 19);
+    EXPECT_EQ(outcome.answer, turns > 1e3 ? Answer::kUndecided : Answer::kClear) << pair.list();
+    EXPECT_EQ(outcome.budget_met, turns > 1e3) << outcome.subdivisions;
+  }
+}
+
+TEST(RevolutionShell, AShellSpendsNoMoreThanTheQuerysBudget) {
+  // A rod turns a millimetre from the inside of a ring that turns slowly: a shell of much work.
+  PairOptions options;
+  options.node_budget = 1000;
+  Watched pair({moving::placed(geometry::Box{{1.595, 1e-5, 1e-5}})}, {moving::torus(1.0, 0.2, 100, 60)},
+               options);
+  const auto outcome =
+      pair.advance(0, kFrame, flight(0, kFrame, Vec3::Zero(), Vec3::Zero(), {0, 0, 1000 * kTurns}),
+                   flight(0, kFrame, Vec3::Zero(), Vec3::Zero(), {0, 0, 90}));
+  EXPECT_LE(outcome.node_tests, 3 * options.node_budget);
+  EXPECT_TRUE(outcome.budget_met);
+  EXPECT_EQ(outcome.answer, Answer::kUndecided);
+}
+
 }  // namespace
 }  // namespace collision_node::impact

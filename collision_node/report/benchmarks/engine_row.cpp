@@ -58,11 +58,10 @@ Counts runEngine(const std::shared_ptr<const scene::Scene>& scene, int threads, 
   return counts;
 }
 
-void crowdLine(bool only_ours, std::vector<Line>& lines) {
-  constexpr std::size_t kCount = 10000;
-  const std::vector<std::vector<scene::Sweep>> steps = traffic(kCount);
+void crowdLine(std::size_t count, bool only_ours, std::vector<Line>& lines) {
+  const std::vector<std::vector<scene::Sweep>> steps = traffic(count);
   const auto scene = std::make_shared<scene::Scene>();
-  for (std::size_t i = 0; i < kCount; ++i)
+  for (std::size_t i = 0; i < count; ++i)
     scene->objects.push_back(objectOf(i, geometry::Sphere{steps[0][i].radius}));
   Counts counts;
   std::vector<std::function<void()>> calls = {[&] {
@@ -77,8 +76,8 @@ void crowdLine(bool only_ours, std::vector<Line>& lines) {
   char quality[100];
   std::snprintf(quality, sizeof quality, "%zu events, %.0f MB | - | - | -", counts.events,
                 1e-6 * static_cast<double>(counts.most_bytes));
-  lines.push_back(lineOf("engine, 10 000 movers, a step", times[0] / kTrafficSteps, times[1] / kTrafficSteps,
-                         "the broad phase alone", 0.0, quality));
+  lines.push_back(lineOf("engine, " + std::to_string(count) + " movers, a step", times[0] / kTrafficSteps,
+                         times[1] / kTrafficSteps, "the broad phase alone", 0.0, quality));
 }
 
 /// Primitives that tumble to and fro through each other: every release has some milliseconds of work.
@@ -122,7 +121,7 @@ void threadsLine(std::vector<Line>& lines) {
 
 std::vector<Line> engineLines(bool only_ours) {
   std::vector<Line> lines;
-  crowdLine(only_ours, lines);
+  for (const std::size_t count : {1000, 10000}) crowdLine(count, only_ours, lines);
   if (!only_ours) threadsLine(lines);
   return lines;
 }
