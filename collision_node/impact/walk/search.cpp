@@ -37,7 +37,7 @@ Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& wor
       workspace_of_shells_(shells_ ? &workspace.buffers().forShells() : nullptr),
       straight_(std::move(straight)),
       slabs_(piece, workspace.buffers().slabs),
-      stack_(workspace.buffers().stack),
+      agenda_(workspace.buffers().agenda),
       near_(workspace.buffers().near),
       found_(workspace.buffers().found) {}
 
@@ -69,29 +69,23 @@ Search::Todo Search::todo(Item& item) {
   return {Todo::kTest, link_b < 0 || (link_a >= 0 && size_a >= size_b), link_a, link_b};
 }
 
-/// Puts the children with time left on the stack, nearest in time last, so that it is looked at first.
+/// Notes the children with time left.
 void Search::pushChildren(const Item& item, const Todo& todo, unsigned lanes, const Span spans[],
                           double until) {
   const geometry::Bvh& tree = todo.of_a ? piece_.a.bvh() : piece_.b.bvh();
   const std::int32_t link = todo.of_a ? todo.link_a : todo.link_b;
   const geometry::BvhBlock& children = tree.block(link);
-  int order[kWidth], kept = 0;
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
     if (!(spans[i].low < until)) continue;
-    int place = kept++;
-    for (; place > 0 && spans[order[place - 1]].low < spans[i].low; --place) order[place] = order[place - 1];
-    order[place] = i;
-  }
-  for (int i = 0; i < kept; ++i) {
-    tree.prefetch(children.link[order[i]]);
-    const std::int32_t child = kWidth * link + order[i];
-    stack_.push_back({todo.of_a ? child : item.a, todo.of_a ? item.b : child, item.slab, spans[order[i]]});
+    tree.prefetch(children.link[i]);
+    const std::int32_t child = kWidth * link + i;
+    agenda_.push({todo.of_a ? child : item.a, todo.of_a ? item.b : child, item.slab, -1, spans[i]});
   }
 }
 
 template <typename Leaf>
-void Search::walk(double from, double to, Leaf&& leaf) {
+void Search::walk(double from, double to, bool by_time, Leaf&& leaf) {
   const bool primitives = piece_.a.triangleCount() == 0 && piece_.b.triangleCount() == 0;
   if (primitives && piece_.a.elementCount() == 1 && piece_.b.elementCount() == 1) {  // nothing to walk
     ++node_tests_;
@@ -110,14 +104,13 @@ void Search::walk(double from, double to, Leaf&& leaf) {
                : test_.clipChildren(slab, tree_b.block(todo.link_b), false, tree_a[item.a], item.span, spans);
   };
   slabs_.start(from, to);
-  stack_.clear();
+  agenda_.start(from, to, by_time);
   ++node_tests_;
   constexpr std::int32_t kRoot = geometry::Bvh::kRoot;
-  stack_.push_back({kRoot, kRoot, 0, {from, to}});
+  agenda_.push({kRoot, kRoot, 0, -1, {from, to}});
   double until = kInfinity;
-  while (!stack_.empty()) {
-    Item item = stack_.back();
-    stack_.pop_back();
+  while (!agenda_.empty()) {
+    Item item = agenda_.pop();
     if (!(item.span.low < until)) continue;
     if (exhausted()) {
       until = std::min(until, leaf.unresolved(item.span.low));
@@ -133,8 +126,8 @@ void Search::walk(double from, double to, Leaf&& leaf) {
     if (now.kind == Todo::kHalve) {
       const double middle = slabs_[item.slab].middle;
       const std::int32_t late = slabs_.childOf(item.slab, true), early = slabs_.childOf(item.slab, false);
-      stack_.push_back({item.a, item.b, late, {middle, item.span.high}});
-      stack_.push_back({item.a, item.b, early, {item.span.low, middle}});
+      agenda_.push({item.a, item.b, late, -1, {middle, item.span.high}});
+      agenda_.push({item.a, item.b, early, -1, {item.span.low, middle}});
       continue;
     }
     // What would come next is tested at the same time: none waits for another.
@@ -147,11 +140,10 @@ void Search::walk(double from, double to, Leaf&& leaf) {
     tests[0].item = item;
     tests[0].todo = now;
     int count = 1;
-    for (; count < kAtOnce && !stack_.empty() && stack_.back().span.low < until; ++count) {
-      tests[count].todo = todo(stack_.back());
+    for (; count < kAtOnce && !agenda_.empty() && agenda_.top().span.low < until; ++count) {
+      tests[count].todo = todo(agenda_.top());
       if (tests[count].todo.kind != Todo::kTest) break;
-      tests[count].item = stack_.back();
-      stack_.pop_back();
+      tests[count].item = agenda_.pop();
       ++node_tests_;
     }
     for (int i = 0; i < count; ++i) tests[i].lanes = clip(tests[i].item, tests[i].todo, tests[i].spans);
@@ -203,7 +195,7 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
   from = std::max(from, reach_.low);
   to = std::min(to, reach_.high);
   if (from <= to && (!shells_ || shells_->clear(from, to, stop, node_tests_, *workspace_of_shells_)))
-    walk(from, to, Leaf{*this, stop, window, first});
+    walk(from, to, true, Leaf{*this, stop, window, first});
   near_from_ = exhausted() ? kInfinity : asked_from;
   if (first.found) stopped_at_ = first.time;
   near_to_ = first.found ? std::min(first.time + window, asked_to) : asked_to;
@@ -263,7 +255,7 @@ NearPairs Search::nearPairs(double from, double to, std::size_t limit) {
       if (leaf.advance(near.pair.a, near.pair.b, {from, to}) < 0.0) break;
     }
   } else {
-    walk(from, to, leaf);
+    walk(from, to, false, leaf);
   }
   return pairs;
 }
@@ -335,7 +327,7 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
   constexpr std::size_t kCandidates = 64;
   found_.clear();
   Leaf leaf{*this, piece_.at(t), horizon > 0.0 ? kCandidates : 1, found_, false};
-  walk(t, t, leaf);
+  walk(t, t, false, leaf);
   if (!found_.empty()) {
     if (horizon > 0.0 && longestLasting(t, horizon, witness)) return Proved::kContact;
     *witness = found_[0];

@@ -1,4 +1,5 @@
-/// Where in time can two bodies touch? A depth-first walk over both hierarchies with time clipping.
+/// Where in time can two bodies touch? A walk over both hierarchies, nearest in time first, with time
+/// clipping.
 ///
 /// Guarantee: a time that firstPossible() passes over, and an instant that classify() calls apart, is proved
 /// free of contact between surfaces (closed meshes may hold each other: inside.h). Everything else is
@@ -13,6 +14,7 @@
 #include "collision_node/impact/convex/pair_steps.h"
 #include "collision_node/impact/proof/contact_proof.h"
 #include "collision_node/impact/straight/straight_path.h"
+#include "collision_node/impact/walk/agenda.h"
 #include "collision_node/impact/walk/node_test.h"
 #include "collision_node/impact/walk/revolution_shell.h"
 #include "collision_node/impact/workspace.h"
@@ -78,11 +80,7 @@ class Search {
   const PairPiece& piece() const { return piece_; }
 
  private:
-  /// A pair of nodes and the part of its slab in which they can touch.
-  struct Item {
-    std::int32_t a, b, slab;
-    Span span;
-  };
+  using Item = Agenda::Item;
 
   /// What is to be done with an item.
   struct Todo {
@@ -106,8 +104,9 @@ class Search {
   /// Of what classify() found: what lasts longest.
   bool longestLasting(double t, double horizon, ContactWitness* witness);
 
+  /// `by_time`: what begins sooner is looked at first.
   template <typename Leaf>
-  void walk(double from, double to, Leaf&& leaf);
+  void walk(double from, double to, bool by_time, Leaf&& leaf);
 
   const PairPiece& piece_;
   const Span reach_;
@@ -118,7 +117,7 @@ class Search {
   std::optional<StraightPath> straight_;
   PathContact path_contact_;
   TimeSlabs slabs_;
-  std::vector<Item>& stack_;
+  Agenda& agenda_;
   /// Every pair of elements that is not proved apart throughout [near_from_, near_to_] is among these.
   std::vector<Near>& near_;
   std::vector<ContactWitness>& found_;  ///< by classify()
@@ -133,7 +132,7 @@ class Search {
 /// What the walks keep between calls: capacity only.
 struct Workspace::Buffers {
   std::vector<Slab> slabs;
-  std::vector<Search::Item> stack;
+  Agenda agenda;
   std::vector<Search::Near> near;
   std::vector<ContactWitness> found;
   ViewBuffers views;
