@@ -13,7 +13,7 @@ namespace {
 constexpr double kFrom = 0.25, kTo = 0.75;
 constexpr double kNearly = (kTo - kFrom) / 2000.0;
 
-Agenda::Item item(std::int32_t number, double low) { return {number, -number, 7, -1, {low, kTo}}; }
+Agenda::Item item(std::int32_t number, double low) { return {{number, -number}, 7, -1, {low, kTo}}; }
 
 TEST(Agenda, EachItemComesOnceAndTheNearestFirst) {
   constexpr std::size_t kItems = 3000;
@@ -28,12 +28,12 @@ TEST(Agenda, EachItemComesOnceAndTheNearestFirst) {
       waiting.push_back(low);
     };
     const auto popOne = [&] {
-      const std::int32_t top = agenda.top().a;
+      const std::int32_t top = agenda.top().node[0];
       const Agenda::Item next = agenda.pop();
-      ASSERT_EQ(next.a, top);
-      ASSERT_EQ(next.b, -next.a);
+      ASSERT_EQ(next.node[0], top);
+      ASSERT_EQ(next.node[1], -next.node[0]);
       ASSERT_EQ(next.slab, 7);
-      double& low = waiting[static_cast<std::size_t>(next.a)];
+      double& low = waiting[static_cast<std::size_t>(next.node[0])];
       ASSERT_EQ(next.span.low, low) << "came twice, or as another";
       for (const double other : waiting) {
         const bool sooner = other >= 0.0 && other + kNearly < low;
@@ -62,7 +62,7 @@ TEST(Agenda, TheNewestComesFirstWhereTimeDoesNotCountOrIsAnInstant) {
   for (const bool instant : {false, true}) {
     agenda.start(kFrom, instant ? kFrom : kTo, instant);
     for (std::int32_t i = 0; i < 100; ++i) agenda.push(item(i, instant ? kFrom : kFrom + 1e-3 * i));
-    for (std::int32_t i = 100; i-- > 0;) ASSERT_EQ(agenda.pop().a, i);
+    for (std::int32_t i = 100; i-- > 0;) ASSERT_EQ(agenda.pop().node[0], i);
     EXPECT_TRUE(agenda.empty());
   }
 }
@@ -76,9 +76,9 @@ TEST(Agenda, ManyThatWaitAreNotJoinedByMoreThanTheDepth) {
   for (std::int32_t i = 0; i < kMany; ++i) agenda.push(item(i, kFrom));
   for (std::int32_t i = kMany; i < 2 * kMany; ++i) {
     agenda.push(item(i, kTo));
-    ASSERT_EQ(agenda.top().a, i);
+    ASSERT_EQ(agenda.top().node[0], i);
   }
-  for (std::int32_t i = 2 * kMany; i-- > 0;) ASSERT_EQ(agenda.pop().a, i);
+  for (std::int32_t i = 2 * kMany; i-- > 0;) ASSERT_EQ(agenda.pop().node[0], i);
 }
 
 }  // namespace

@@ -17,7 +17,8 @@ class Agenda {
  public:
   /// A pair of nodes and the part of its slab in which they can touch.
   struct Item {
-    std::int32_t a, b, slab;
+    std::int32_t node[2];  ///< of A and of B
+    std::int32_t slab;
     std::int32_t next;  ///< of the same day; for the agenda only
     Span span;
   };
@@ -26,7 +27,7 @@ class Agenda {
   void start(double from, double to, bool by_time);
   bool empty() const { return held_ == 0; }
   void push(const Item& item);
-  /// The next one, if any; it may be changed, but for its span.
+  /// The next one, if any; it may be changed, but for when its span begins.
   Item& top() { return items_[static_cast<std::size_t>(first_[today()])]; }
   Item pop();
 

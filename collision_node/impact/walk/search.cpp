@@ -20,6 +20,12 @@ constexpr int kAtOnce = 4;  ///< tests that hide each other's latencies (measure
 
 constexpr int kWidth = geometry::BvhBlock::kWidth;
 
+// Without signs: nothing to round towards zero.
+std::int32_t blockOf(std::int32_t node) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(node) / kWidth);
+}
+int laneOf(std::int32_t node) { return static_cast<int>(static_cast<std::uint32_t>(node) % kWidth); }
+
 /// A measure of a node's size, to compare with others.
 double sizeOf(const geometry::BvhBlock& block, int lane) {
   return 0.6 * (block.half[0][lane] + block.half[1][lane] + block.half[2][lane]);
@@ -30,6 +36,7 @@ double sizeOf(const geometry::BvhBlock& block, int lane) {
 Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& workspace,
                std::optional<StraightPath> straight)
     : piece_(piece),
+      tree_{&piece.a.bvh(), &piece.b.bvh()},
       reach_(reachOf(piece)),
       test_(piece),
       budget_(node_budget),
@@ -43,9 +50,9 @@ Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& wor
 
 /// Puts the item into the smallest slab that was made for it, and says what is to be done with it.
 Search::Todo Search::todo(Item& item) {
-  const geometry::Bvh &tree_a = piece_.a.bvh(), &tree_b = piece_.b.bvh();
-  const geometry::BvhBlock &block_a = tree_a.block(item.a / kWidth), &block_b = tree_b.block(item.b / kWidth);
-  const int lane_a = item.a % kWidth, lane_b = item.b % kWidth;
+  const geometry::BvhBlock &block_a = tree_[0]->block(blockOf(item.node[0])),
+                           &block_b = tree_[1]->block(blockOf(item.node[1]));
+  const int lane_a = laneOf(item.node[0]), lane_b = laneOf(item.node[1]);
   const std::int32_t link_a = block_a.link[lane_a], link_b = block_b.link[lane_b];
   const double size_a = sizeOf(block_a, lane_a), size_b = sizeOf(block_b, lane_b);
   const double reach = std::max(block_a.reach[lane_a], block_b.reach[lane_b]);
@@ -64,23 +71,26 @@ Search::Todo Search::todo(Item& item) {
     if (straddles || (slab.child[late] < 0 && !bends(slab))) break;
     item.slab = slab.child[late] < 0 ? slabs_.childOf(item.slab, late) : slab.child[late];
   }
-  if (link_a < 0 && link_b < 0) return {Todo::kElements, false, link_a, link_b};
-  if (straddles && bends(slabs_[item.slab])) return {Todo::kHalve, false, link_a, link_b};
-  return {Todo::kTest, link_b < 0 || (link_a >= 0 && size_a >= size_b), link_a, link_b};
+  if (link_a < 0 && link_b < 0) return {Todo::kElements, 0, {link_a, link_b}};
+  if (straddles && bends(slabs_[item.slab])) return {Todo::kHalve, 0, {link_a, link_b}};
+  const bool of_b = (link_b >= 0) & ((link_a < 0) | (size_a < size_b));  // either as often: no branch
+  return {Todo::kTest, of_b, {link_a, link_b}};
 }
 
 /// Notes the children with time left.
 void Search::pushChildren(const Item& item, const Todo& todo, unsigned lanes, const Span spans[],
                           double until) {
-  const geometry::Bvh& tree = todo.of_a ? piece_.a.bvh() : piece_.b.bvh();
-  const std::int32_t link = todo.of_a ? todo.link_a : todo.link_b;
+  const geometry::Bvh& tree = *tree_[todo.parent];
+  const std::int32_t link = todo.link[todo.parent];
   const geometry::BvhBlock& children = tree.block(link);
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
     if (!(spans[i].low < until)) continue;
     tree.prefetch(children.link[i]);
-    const std::int32_t child = kWidth * link + i;
-    agenda_.push({todo.of_a ? child : item.a, todo.of_a ? item.b : child, item.slab, -1, spans[i]});
+    Item child = item;
+    child.node[todo.parent] = kWidth * link + i;
+    child.span = spans[i];
+    agenda_.push(child);
   }
 }
 
@@ -96,38 +106,37 @@ void Search::walk(double from, double to, bool by_time, Leaf&& leaf) {
     }
     return;
   }
-  const geometry::Bvh &tree_a = piece_.a.bvh(), &tree_b = piece_.b.bvh();
   const auto clip = [&](const Item& item, const Todo& todo, Span spans[]) {
-    const Slab& slab = slabs_[item.slab];
-    return todo.of_a
-               ? test_.clipChildren(slab, tree_a.block(todo.link_a), true, tree_b[item.b], item.span, spans)
-               : test_.clipChildren(slab, tree_b.block(todo.link_b), false, tree_a[item.a], item.span, spans);
+    const std::int32_t other = item.node[1 - todo.parent];
+    return test_.clipChildren(slabs_[item.slab], tree_[todo.parent]->block(todo.link[todo.parent]),
+                              todo.parent == 0, tree_[1 - todo.parent]->block(blockOf(other)), laneOf(other),
+                              item.span, spans);
   };
   slabs_.start(from, to);
   agenda_.start(from, to, by_time);
   ++node_tests_;
   constexpr std::int32_t kRoot = geometry::Bvh::kRoot;
-  agenda_.push({kRoot, kRoot, 0, -1, {from, to}});
+  agenda_.push({{kRoot, kRoot}, 0, -1, {from, to}});
   double until = kInfinity;
   while (!agenda_.empty()) {
     Item item = agenda_.pop();
     if (!(item.span.low < until)) continue;
+    item.span.high = std::min(item.span.high, until);
     if (exhausted()) {
       until = std::min(until, leaf.unresolved(item.span.low));
       continue;
     }
     const Todo now = todo(item);
     if (now.kind == Todo::kElements) {
-      const Span span{item.span.low, std::min(item.span.high, until)};
-      until = std::min(until, leaf(slabs_[item.slab], ~now.link_a, ~now.link_b, span));
+      until = std::min(until, leaf(slabs_[item.slab], ~now.link[0], ~now.link[1], item.span));
       continue;
     }
     ++node_tests_;
     if (now.kind == Todo::kHalve) {
       const double middle = slabs_[item.slab].middle;
       const std::int32_t late = slabs_.childOf(item.slab, true), early = slabs_.childOf(item.slab, false);
-      agenda_.push({item.a, item.b, late, -1, {middle, item.span.high}});
-      agenda_.push({item.a, item.b, early, -1, {item.span.low, middle}});
+      agenda_.push({{item.node[0], item.node[1]}, late, -1, {middle, item.span.high}});
+      agenda_.push({{item.node[0], item.node[1]}, early, -1, {item.span.low, middle}});
       continue;
     }
     // What would come next is tested at the same time: none waits for another.
@@ -141,6 +150,7 @@ void Search::walk(double from, double to, bool by_time, Leaf&& leaf) {
     tests[0].todo = now;
     int count = 1;
     for (; count < kAtOnce && !agenda_.empty() && agenda_.top().span.low < until; ++count) {
+      agenda_.top().span.high = std::min(agenda_.top().span.high, until);
       tests[count].todo = todo(agenda_.top());
       if (tests[count].todo.kind != Todo::kTest) break;
       tests[count].item = agenda_.pop();

@@ -85,8 +85,8 @@ class Search {
   /// What is to be done with an item.
   struct Todo {
     enum Kind { kElements, kHalve, kTest } kind;
-    bool of_a;                    ///< kTest: A's children with B's node; else the other way round
-    std::int32_t link_a, link_b;  ///< BvhNode::link
+    int parent;            ///< kTest: whose children are tested with the other's node, 0 for A's
+    std::int32_t link[2];  ///< BvhNode::link
   };
 
   /// A pair that is proved apart before `time`.
@@ -109,6 +109,7 @@ class Search {
   void walk(double from, double to, bool by_time, Leaf&& leaf);
 
   const PairPiece& piece_;
+  const geometry::Bvh* const tree_[2];  ///< A's and B's
   const Span reach_;
   const NodeTest test_;
   std::uint64_t budget_, node_tests_ = 0;
