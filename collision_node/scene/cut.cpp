@@ -65,7 +65,7 @@ void Track::describe(std::optional<Nanoseconds> watermark, Fingerprint& to) cons
   to.add(isEmpty());
   if (!isEmpty()) to.add(newest_);
   to.add(pending_.size());
-  for (const auto& entry : pending_) add_arrival(entry.second);
+  for (const Arrival& arrival : pending_) add_arrival(arrival);
   to.add(last_released_);
   to.add(recent_.size());
   for (const Nanoseconds stamp : recent_) to.add(stamp);
