@@ -144,8 +144,8 @@ void ModelWatch::describe(Fingerprint& to) const {
 
 void PairWatch::describe(Fingerprint& to) const {
   to.add(rank_);
-  addState(state_, to);
-  if (state_.phase == Phase::kUndecided || model_.isUndecided()) {
+  addState(state_ ? *state_ : impact::PairState(), to);
+  if (phase() == Phase::kUndecided || model_.isUndecided()) {
     to.add(bracket_.doubt);
     to.add(bracket_.speed_a);
     to.add(bracket_.speed_b);
