@@ -47,7 +47,7 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
     if (witness) {
       persist(t, *witness);
       proved = t;
-      last_witness_ = *witness;
+      last_contact_ = {witness->element_a, witness->element_b};
       witness.reset();
       look = floor_;
       nothing = proved;
@@ -100,12 +100,16 @@ void PieceRun::persist(double& t, ContactWitness& witness) {
   Vec3 buffer_a[3], buffer_b[3];
   const Element a = pair_.a.element(witness.element_a, buffer_a),
                 b = pair_.b.element(witness.element_b, buffer_b);
+  constexpr double kOfGuess = 0.9, kLeastShare = 0x1p-5, kMostShare = 0.5;  // of a step that was too long
   double step = end_ - t;
   Instant now = pair_.at(t);
+  // Cores without a radius touch or do not: points a few budgets apart tell as much as closer ones.
+  const bool has_radius = a.radius + b.radius + pair_.contact_distance > 0.0;
+  const GoodEnough enough{has_radius ? 0.0 : 8.0 * pair_.point_error};
   const auto renew = [&](double from_depth) {
     ContactWitness fresh;
     fresh.shrunk = from_depth;
-    if (!touchesAt(pair_, now, a, b, closestPoints(Cores(now, a, b), Vec3::Zero()), fresh)) return;
+    if (!touchesAt(pair_, now, a, b, closestPoints(Cores(now, a, b), Vec3::Zero(), enough), fresh)) return;
     fresh.element_a = witness.element_a;
     fresh.element_b = witness.element_b;
     witness = std::move(fresh);
@@ -116,17 +120,22 @@ void PieceRun::persist(double& t, ContactWitness& witness) {
   } else if (witness.rounded) {
     renew(witness.shrunk > 0.0 ? std::numeric_limits<double>::infinity() : 0.0);
   }
+  bool is_new = true;  // no other proof of this instant may last longer
   while (t < end_ && !search_.exhausted()) {
     const double next = std::min(end_, t + step);
     const Instant later = pair_.at(next);
     search_.countTest();
-    if (next > t && touchesThrough(pair_, now, later, a, b, witness)) {
+    double share = kMostShare;
+    if (next > t && touchesThrough(pair_, now, later, a, b, witness, share)) {
       t = next;
       now = later;
-      renew(witness.shrunk);
       step *= 2.0;
+      is_new = false;
+    } else if (!is_new) {
+      renew(witness.shrunk);
+      is_new = true;
     } else {
-      step *= 0.25;
+      step *= std::clamp(kOfGuess * share, kLeastShare, kMostShare);
       if (step < floor_) return;
     }
   }
@@ -134,7 +143,7 @@ void PieceRun::persist(double& t, ContactWitness& witness) {
 
 void PieceRun::openSeparation(double t) {
   const PairEvent contact = state_.contact;
-  open(Kind::kSeparation, t, {last_witness_.element_a, last_witness_.element_b});
+  open(Kind::kSeparation, t, last_contact_);
   state_.contact = contact;
 }
 

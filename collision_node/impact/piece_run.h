@@ -99,7 +99,7 @@ class PieceRun {
   const double end_;
   double floor_, width_;
   ElementPair opened_;
-  ContactWitness last_witness_;
+  ElementPair last_contact_;
   std::optional<ContactWitness> start_witness_;
   double found_at_ = 0.0;
   double free_since_ = std::numeric_limits<double>::infinity();  ///< the search that opened the bracket

@@ -1,10 +1,10 @@
 #include "collision_node/scene/crew.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <thread>
 
 namespace collision_node::scene {
@@ -24,11 +24,12 @@ void Crew::forEach(std::size_t count, bool is_enough, const std::function<void(s
     return;
   }
   if (!arena_) arena_ = std::make_unique<Arena>(threads_);
-  // One by one: what a pair costs differs a thousandfold.
+  // One by one, as what a part costs differs a thousandfold, and from the first to the last.
+  std::atomic<std::size_t> next{0};
   arena_->arena.execute([&] {
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, count, 1), [&](const auto& range) { work(range.begin()); },
-        tbb::simple_partitioner());
+    tbb::parallel_for(0, threads_, [&](int) {
+      for (std::size_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;) work(i);
+    });
   });
 }
 

@@ -13,8 +13,8 @@ class Crew {
   explicit Crew(int threads);
   ~Crew();
 
-  /// work(0) ... work(count - 1), in any order; returns when all are done. `is_enough`: worth more than one
-  /// thread.
+  /// work(0) ... work(count - 1); returns when all are done. `is_enough`: worth more than one thread. They
+  /// are begun in this order: what takes longest goes first.
   void forEach(std::size_t count, bool is_enough, const std::function<void(std::size_t)>& work);
 
  private:

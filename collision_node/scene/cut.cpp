@@ -65,7 +65,7 @@ void Track::describe(std::optional<Nanoseconds> watermark, Fingerprint& to) cons
   to.add(isEmpty());
   if (!isEmpty()) to.add(newest_);
   to.add(pending_.size());
-  for (const auto& entry : pending_) add_arrival(entry.second);
+  for (const Arrival& arrival : pending_) add_arrival(arrival);
   to.add(last_released_);
   to.add(recent_.size());
   for (const Nanoseconds stamp : recent_) to.add(stamp);
@@ -144,8 +144,8 @@ void ModelWatch::describe(Fingerprint& to) const {
 
 void PairWatch::describe(Fingerprint& to) const {
   to.add(rank_);
-  addState(state_, to);
-  if (state_.phase == Phase::kUndecided || model_.isUndecided()) {
+  addState(state_ ? *state_ : impact::PairState(), to);
+  if (phase() == Phase::kUndecided || model_.isUndecided()) {
     to.add(bracket_.doubt);
     to.add(bracket_.speed_a);
     to.add(bracket_.speed_b);

@@ -19,7 +19,7 @@ namespace {
 constexpr Nanoseconds kNever = std::numeric_limits<Nanoseconds>::min();
 constexpr Nanoseconds kForEver = std::numeric_limits<Nanoseconds>::max();
 constexpr std::size_t kSamplesBeforePruning =
-    8;  // per track; pruning looks at all its pairs, so not at every pose
+    4;  // per track; pruning looks at all its pairs, so not at every pose
 
 }  // namespace
 

@@ -66,6 +66,7 @@ void PairTable::makeNear(int a, int b, Nanoseconds proved_ns) {
   if (world_.track(a).isFixed() && world_.track(b).isFixed()) return;  // among the statics
   if (spare_.empty()) {
     pairs_.push_back(std::make_unique<ObjectPair>(a, b));
+    pairs_.back()->name = alarms_.nameOf(*pairs_.back());
   } else {
     pairs_.push_back(std::move(spare_.back()));
     spare_.pop_back();
@@ -73,7 +74,7 @@ void PairTable::makeNear(int a, int b, Nanoseconds proved_ns) {
   }
   ObjectPair& pair = *pairs_.back();
   near_[keyOf(a, b)] = &pair;
-  goOnBehindProof(pair, proved_ns);
+  asked_.push_back({&pair, proved_ns});
 }
 
 void PairTable::retire(bool is_told) {
@@ -85,7 +86,7 @@ void PairTable::retire(bool is_told) {
       continue;
     }
     near_.erase(keyOf(pair.a(), pair.b()));
-    ++pair.place.nap;
+    alarms_.silence(pair.name);
     spare_.push_back(std::move(pairs_[i]));
     pairs_[i] = std::move(pairs_.back());
     pairs_.pop_back();
@@ -106,7 +107,9 @@ void PairTable::addAllPairs() {
 void PairTable::addPair(int a, int b) {
   if (world_.scene.pairs.countBetween(world_.scene.objects, a, b) == 0) return;
   const bool is_static = a == b || (world_.track(a).isFixed() && world_.track(b).isFixed());
-  (is_static ? statics_ : pairs_).push_back(std::make_unique<ObjectPair>(a, b));
+  std::vector<std::unique_ptr<ObjectPair>>& pairs = is_static ? statics_ : pairs_;
+  pairs.push_back(std::make_unique<ObjectPair>(a, b));
+  if (!is_static) pairs.back()->name = alarms_.nameOf(*pairs.back());
 }
 
 void PairTable::fix(int object) {

@@ -25,7 +25,6 @@ void ObjectPair::become(int a, int b) {
   watches_.clear();
   is_resting_ = is_tested_ = false;
   place.last_tests = 0;
-  ++place.nap;
 }
 
 void ObjectPair::restart(const PairWorld& world) {
@@ -84,20 +83,15 @@ bool ObjectPair::tryToRest(const PairWorld& world) {
   if (!world.may_rest || !a.has(index_a) || !b.has(index_b)) return false;
   const Traveller& side_a = world.travellers[a_];
   const Traveller& side_b = world.travellers[b_];
-  apart_ = distanceBetween(side_a.coreAt(a, index_a), side_b.coreAt(b, index_b)) -
-           (side_a.radius() + side_b.radius()) * kUp;
-  base_a_ = baseOf(side_a, a, index_a);
-  base_b_ = baseOf(side_b, b, index_b);
-  is_resting_ = slack(world) > 0.0 && std::all_of(watches_.begin(), watches_.end(),
-                                                  [](const PairWatch& watch) { return watch.isQuiet(); });
-  return is_resting_;
-}
-
-double ObjectPair::slack(const PairWorld& world) const {
-  const double spent_a = world.travellers[a_].spent(), spent_b = world.travellers[b_].spent();
-  const double left = apart_ * kDown - ((spent_a - base_a_) + (spent_b - base_b_)) * kUp;
+  const double apart = distanceBetween(side_a.coreAt(a, index_a), side_b.coreAt(b, index_b)) -
+                       (side_a.radius() + side_b.radius()) * kUp;
+  const double spent_a = side_a.spent(), spent_b = side_b.spent();
+  const double way = (spent_a - baseOf(side_a, a, index_a)) + (spent_b - baseOf(side_b, b, index_b));
   // What an odometer could not tell from nothing is nothing.
-  return left * kDown - kReading * (spent_a + spent_b);
+  slack_ = (apart * kDown - way * kUp) * kDown - kReading * (spent_a + spent_b);
+  is_resting_ = slack_ > 0.0 && std::all_of(watches_.begin(), watches_.end(),
+                                            [](const PairWatch& watch) { return watch.isQuiet(); });
+  return is_resting_;
 }
 
 void ObjectPair::test(const PairWorld& world) {

@@ -52,9 +52,9 @@ class ObjectPair {
 
   /// Rests from here on if the two are proved apart for all that is released.
   bool tryToRest(const PairWorld& world);
-  /// How much way is left before the proof ends [m]; not positive when it has.
-  double slack(const PairWorld& world) const;
   bool isResting() const { return is_resting_; }
+  /// How much way both together have left before the proof of a pair that has just gone to rest ends [m]
+  double slack() const { return slack_; }
   void wake() { is_resting_ = false; }
 
   // ---- two objects that cannot move against each other
@@ -78,9 +78,9 @@ class ObjectPair {
   // What the last calls said and cost; for the caller to take away.
   Outbox outbox;
   Costs costs;
+  std::uint32_t name = 0;  ///< in its table's alarms
   /// What its table notes about it.
   struct Place {
-    std::uint64_t nap = 0;         ///< how often it has gone to rest, been woken or become another
     std::uint64_t last_tests = 0;  ///< what its last walk cost
     bool is_due = false;
     std::optional<Instant> open_since;
@@ -94,7 +94,7 @@ class ObjectPair {
   PieceCursor cursor_;
   std::vector<PairWatch> watches_;  ///< made when first needed
   bool is_resting_ = false, is_tested_ = false;
-  double apart_ = 0.0, base_a_ = 0.0, base_b_ = 0.0;  ///< the proof: see tryToRest()
+  double slack_ = 0.0;
   Nanoseconds tested_ns_ = 0;
 };
 

@@ -9,6 +9,8 @@ namespace {
 
 constexpr Nanoseconds kForEver = std::numeric_limits<Nanoseconds>::max();
 constexpr Nanoseconds kAlways = std::numeric_limits<Nanoseconds>::min();
+/// Resting pairs, about a tenth of a millisecond, too; and how many of them are a part of the work.
+constexpr std::size_t kEnoughAsked = 500, kAskedAtOnce = 64;
 /// Node tests, about a tenth of a millisecond: less is not worth waking another thread for.
 constexpr std::uint64_t kEnoughWork = 4000;
 /// What the steps, proofs and facts of a walk cost beside its node tests, in node tests.
@@ -84,11 +86,12 @@ void PairTable::startEpoch() {
   due_.clear();
   open_.clear();
   for (std::vector<ObjectPair*>& list : awake_) list.clear();
-  for (WakeList& list : alarms_) list.clear();
+  alarms_.clear();
   for (std::size_t i = 0; i < seen_.size(); ++i)
     seen_[i] = settled_[i] = world_.track(static_cast<int>(i)).firstIndex();
   for (const auto& pair : statics_) pair->startOver();
   met_.clear();
+  asked_.clear();
   if (broad_) {
     broad_->startEpoch();
     near_.clear();
@@ -163,17 +166,22 @@ void PairTable::layDown(ObjectPair& pair) {
   setAlarms(pair);
 }
 
-/// A resting pair is asked for again when one of its objects has gone half of what is left.
+/// A resting pair is asked for again when one of its objects has gone its share of the way that is left: by
+/// their speeds, so that both come to that at about the same time.
 void PairTable::setAlarms(ObjectPair& pair) {
-  ++pair.place.nap;
+  alarms_.silence(pair.name);
   if (!pair.isResting()) return;
-  const double share = 0.5 * pair.slack(world_);
-  for (const int object : {pair.a(), pair.b()}) {
+  const Traveller &a = world_.travellers[pair.a()], &b = world_.travellers[pair.b()];
+  const auto set = [&](int object, double speed, double other) {
+    constexpr double kLeast = 0.125;  // for who speeds up
     const Traveller& traveller = world_.travellers[object];
-    if (traveller.isFixed()) continue;
-    alarms_[object].tidy([](const WakeList::Alarm& alarm) { return alarm.nap != alarm.pair->place.nap; });
-    alarms_[object].add({traveller.spent() + share, &pair, pair.place.nap});
-  }
+    if (traveller.isFixed()) return;
+    const double both = speed + other, even = both > 0.0 ? speed / both : 0.5;
+    const double share = (a.isFixed() || b.isFixed()) ? 1.0 : kLeast + (1.0 - 2.0 * kLeast) * even;
+    alarms_.set(object, traveller.spent() + share * pair.slack(), pair.name);
+  };
+  set(pair.a(), a.speed(), b.speed());
+  set(pair.b(), b.speed(), a.speed());
 }
 
 /// The newest sample that every proof of a resting pair has taken into account.
@@ -194,30 +202,36 @@ Nanoseconds PairTable::settledUntil(int object) const {
   return std::max(stamp, world_.time_line.watermark().value_or(stamp));
 }
 
-void PairTable::wakeUp(int object) {
-  WakeList::Alarm alarm;
-  while (alarms_[object].take(world_.travellers[object].spent(), alarm)) {
-    ObjectPair& pair = *alarm.pair;
-    if (alarm.nap != pair.place.nap) continue;
-    if (pair.slack(world_) > 0.0) {
-      setAlarms(pair);
-      continue;
-    }
-    goOnBehindProof(pair, kForEver);
-  }
-}
-
 /// The pair is proved apart for all samples that are settled; what comes behind them is to be looked at.
-void PairTable::goOnBehindProof(ObjectPair& pair, Nanoseconds proved_ns) {
+void PairTable::goOnBehindProof(ObjectPair& pair, Nanoseconds proved_ns) const {
   const int a = pair.a(), b = pair.b();
   const Nanoseconds until = std::min({proved_ns, settledUntil(a), settledUntil(b)});
   pair.jumpTo(world_.track(a).indexAt(until, settled(a)), world_.track(b).indexAt(until, settled(b)));
-  ++pair.place.nap;
-  if (pair.tryToRest(world_)) {
-    setAlarms(pair);
-  } else {
-    rouse(pair);
+  pair.tryToRest(world_);
+}
+
+/// Which of the resting pairs may go on resting, when some of their objects have moved, and which of those
+/// that are new may begin to.
+void PairTable::askResting() {
+  for (const int object : noted_) {
+    alarms_.take(object, world_.travellers[object].spent(), [this](ObjectPair& pair) {
+      asked_.push_back({&pair, kForEver});
+    });
   }
+  const std::size_t parts = (asked_.size() + kAskedAtOnce - 1) / kAskedAtOnce;
+  crew_.forEach(parts, asked_.size() >= kEnoughAsked, [&](std::size_t part) {
+    const std::size_t end = std::min(asked_.size(), (part + 1) * kAskedAtOnce);
+    for (std::size_t i = part * kAskedAtOnce; i < end; ++i)
+      goOnBehindProof(*asked_[i].pair, asked_[i].proved_ns);
+  });
+  for (const Asked& asked : asked_) {
+    if (asked.pair->isResting()) {
+      setAlarms(*asked.pair);
+    } else {
+      rouse(*asked.pair);
+    }
+  }
+  asked_.clear();
 }
 
 // ---- work
@@ -225,7 +239,7 @@ void PairTable::goOnBehindProof(ObjectPair& pair, Nanoseconds proved_ns) {
 void PairTable::solve(Nanoseconds rest_known_ns, EventQueue& queue) {
   for (const Meeting& meeting : met_) makeNear(meeting.a, meeting.b, meeting.proved_ns);
   met_.clear();
-  for (const int object : noted_) wakeUp(object);
+  askResting();
   for (const int object : noted_)
     for (ObjectPair* pair : awake_[object]) makeDue(*pair);
   if (rest_known_ns != world_.rest_known_ns) {
@@ -236,6 +250,11 @@ void PairTable::solve(Nanoseconds rest_known_ns, EventQueue& queue) {
   }
   std::uint64_t work = 0;
   for (const ObjectPair* pair : due_) work += pair->place.last_tests + kTestsOfAnyWalk;
+  if (work >= kEnoughWork) {
+    std::stable_sort(due_.begin(), due_.end(), [](const ObjectPair* l, const ObjectPair* r) {
+      return l->place.last_tests > r->place.last_tests;
+    });
+  }
   crew_.forEach(due_.size(), work >= kEnoughWork, [&](std::size_t i) { due_[i]->walk(world_); });
   for (ObjectPair* pair : due_) {
     pair->place.is_due = false;

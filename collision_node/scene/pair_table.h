@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "collision_node/scene/alarms.h"
 #include "collision_node/scene/broad_phase/broad_phase.h"
 #include "collision_node/scene/coverage.h"
 #include "collision_node/scene/crew.h"
 #include "collision_node/scene/event_queue.h"
 #include "collision_node/scene/heartbeat.h"
 #include "collision_node/scene/object_pair.h"
-#include "collision_node/scene/wake_list.h"
 
 namespace collision_node::scene {
 
@@ -65,7 +65,7 @@ class PairTable {
   /// heartbeat `is_told`, none that it would miss.
   void retire(bool is_told);
   void addPair(int a, int b);
-  void wakeUp(int track);
+  void askResting();
   void makeDue(ObjectPair& pair);
   void rouse(ObjectPair& pair);
   void layDown(ObjectPair& pair);
@@ -73,7 +73,7 @@ class PairTable {
   void takeAway(ObjectPair& pair, EventQueue& queue);
   std::size_t settled(int track) const;
   Nanoseconds settledUntil(int track) const;
-  void goOnBehindProof(ObjectPair& pair, Nanoseconds proved_ns);
+  void goOnBehindProof(ObjectPair& pair, Nanoseconds proved_ns) const;
 
   PairWorld world_;
   Coverage coverage_;
@@ -84,7 +84,7 @@ class PairTable {
   std::unordered_map<std::uint64_t, ObjectPair*> near_;  ///< of pairs_, by both objects
   struct Meeting {
     int a, b;
-    Nanoseconds proved_ns;  ///< nothing is proved of what comes later
+    Nanoseconds proved_ns;  ///< as in Asked
   };
   std::vector<Meeting> met_;  ///< since the last solve()
   std::vector<std::unique_ptr<ObjectPair>> spare_;
@@ -92,7 +92,12 @@ class PairTable {
   std::vector<int> fixed_late_;
   Crew crew_;
   std::vector<std::vector<ObjectPair*>> awake_;  ///< by object
-  std::vector<WakeList> alarms_;                 ///< by object
+  Alarms alarms_;                                ///< for pairs_ that rest
+  struct Asked {
+    ObjectPair* pair;
+    Nanoseconds proved_ns;  ///< nothing is proved of what comes later
+  };
+  std::vector<Asked> asked_;  ///< whether they may go on resting
   std::vector<ObjectPair*> due_;
   std::vector<int> freezing_;  ///< objects that may freeze
   // By object: samples before it are looked at; and those before it are in every proof of a resting pair.

@@ -54,12 +54,13 @@ PairWatch::PairWatch(const Scene& scene, const LinkPair& pair, PairRank rank,
              scene.objects[pair.object_b].links[pair.link_b].body->reach(), pair.contact_distance) {}
 
 void PairWatch::advance(const Step& step, Outbox& outbox, Costs& costs) {
-  if (step.skipped && state_.phase == Phase::kNew) {  // apart, as proved from afar
-    state_.phase = Phase::kApart;
+  if (!state_) state_ = std::make_unique<impact::PairState>();
+  if (step.skipped && state_->phase == Phase::kNew) {  // apart, as proved from afar
+    state_->phase = Phase::kApart;
     model_.skip(*step.skipped);
   }
   std::vector<impact::PairEvent> events;
-  const impact::PieceOutcome outcome = method_->advance(step.piece, state_, events);
+  const impact::PieceOutcome outcome = method_->advance(step.piece, *state_, events);
   const impact::PieceOutcome with_error = model_.advance(step);
   costs.node_tests += outcome.node_tests + with_error.node_tests;
   costs.subdivisions += outcome.subdivisions + with_error.subdivisions;
@@ -71,7 +72,7 @@ void PairWatch::advance(const Step& step, Outbox& outbox, Costs& costs) {
   worst_ = worst_ ? std::max(*worst_, answer) : answer;
 
   has_advanced_ = true;
-  if (state_.phase == Phase::kApart && model_.isApart()) knows_origin_ = true;
+  if (state_->phase == Phase::kApart && model_.isApart()) knows_origin_ = true;
 
   // An event whose bracket opened on an earlier piece carries what was wrong there too.
   const Context here = contextOf(step);
@@ -80,12 +81,12 @@ void PairWatch::advance(const Step& step, Outbox& outbox, Costs& costs) {
   for (const impact::PairEvent& event : events)
     publish(event, event.interval_start_ns < step.piece.start_ns ? carried : here);
   letGo(carried, outbox);
-  bracket_ = state_.phase == Phase::kUndecided || model_.isUndecided() ? carried : Context();
+  bracket_ = state_->phase == Phase::kUndecided || model_.isUndecided() ? carried : Context();
 }
 
 void PairWatch::interrupt(impact::Reason reason, Outbox& outbox) {
   std::vector<impact::PairEvent> events;
-  method_->interrupt(state_, reason, events);
+  if (state_) method_->interrupt(*state_, reason, events);
   model_.interrupt();
   for (const impact::PairEvent& event : events) publish(event, bracket_);
   letGo(bracket_, outbox);
@@ -94,7 +95,7 @@ void PairWatch::interrupt(impact::Reason reason, Outbox& outbox) {
 
 void PairWatch::finish(Outbox& outbox) {
   std::vector<impact::PairEvent> events;
-  method_->finish(state_, events);
+  if (state_) method_->finish(*state_, events);
   model_.finish();
   for (const impact::PairEvent& event : events) publish(event, bracket_);
   letGo(bracket_, outbox);
@@ -114,19 +115,19 @@ void PairWatch::skip() {
 }
 
 bool PairWatch::isQuiet() const {
-  const bool is_apart = state_.phase == Phase::kApart || state_.phase == Phase::kNew;
+  const bool is_apart = phase() == Phase::kApart || phase() == Phase::kNew;
   return is_apart && waiting_.empty() && !model_.isUndecided() && !model_.openSince();
 }
 
 bool PairWatch::isPlain() const { return isQuiet() && !contact_ && model_.isApart(); }
 
 bool PairWatch::isSettled() const {
-  return knows_origin_ || (state_.phase != Phase::kUndecided && model_.isApart());
+  return knows_origin_ || (phase() != Phase::kUndecided && model_.isApart());
 }
 
 void PairWatch::forgetContact() {
   knows_origin_ = has_advanced_;
-  state_ = impact::PairState();
+  state_.reset();
   bracket_ = Context();
   contact_.reset();
   model_.startOver();
@@ -137,8 +138,8 @@ std::optional<Instant> PairWatch::openSince() const {
   const auto take = [&](const Instant& other) {
     if (!first || other < *first) first = other;
   };
-  if (state_.phase == Phase::kUndecided && !state_.published)
-    take(instantAt(state_.pending.interval_start_ns, state_.pending.toi_lower));
+  if (phase() == Phase::kUndecided && !state_->published)
+    take(instantAt(state_->pending.interval_start_ns, state_->pending.toi_lower));
   if (!waiting_.empty())
     take(instantAt(waiting_.front().event.interval_start_ns, waiting_.front().event.toi_lower));
   return first;
@@ -146,8 +147,8 @@ std::optional<Instant> PairWatch::openSince() const {
 
 impact::Answer PairWatch::worstAnswer() const {
   if (worst_) return *worst_;
-  if (state_.phase == Phase::kTouching) return impact::Answer::kImpact;
-  if (state_.phase == Phase::kUndecided || model_.isUndecided()) return impact::Answer::kUndecided;
+  if (phase() == Phase::kTouching) return impact::Answer::kImpact;
+  if (phase() == Phase::kUndecided || model_.isUndecided()) return impact::Answer::kUndecided;
   return std::min(last_, impact::Answer::kClear);
 }
 

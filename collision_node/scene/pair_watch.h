@@ -42,7 +42,7 @@ class PairWatch {
   /// Nothing is open: the pair is apart or was never advanced, and all its events are on their way.
   bool isQuiet() const;
 
-  bool isTouching() const { return state_.phase == impact::PairState::Phase::kTouching; }
+  bool isTouching() const { return phase() == impact::PairState::Phase::kTouching; }
   /// Lower end of what is still being searched and not published yet.
   std::optional<Instant> openSince() const;
 
@@ -75,6 +75,9 @@ class PairWatch {
     std::shared_ptr<ContactNumber> contact;
   };
 
+  impact::PairState::Phase phase() const {
+    return state_ ? state_->phase : impact::PairState::Phase::kNew;
+  }
   void forgetContact();
   void letGo(const Context& context, Outbox& outbox);
   void fillModel(Event& event, const ModelWatch::Answer& answer) const;
@@ -87,7 +90,7 @@ class PairWatch {
   LinkPair pair_;
   PairRank rank_;
   std::unique_ptr<impact::PairMethod> method_;
-  impact::PairState state_;
+  std::unique_ptr<impact::PairState> state_;  ///< null: new. Large, and most pairs rest
   Context bracket_;  ///< over all pieces that an open bracket has seen
   std::shared_ptr<ContactNumber> contact_;
   ModelWatch model_;

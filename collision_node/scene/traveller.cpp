@@ -59,6 +59,7 @@ void Traveller::standAt(const Pose& pose) {
 }
 
 void Traveller::take(const Sample& sample) {
+  const double way = sample.travelled - travelled_;
   travelled_ = sample.travelled;
   const Vec3& position = sample.pose.pose.position;
   core_ = {position, position};
@@ -68,9 +69,10 @@ void Traveller::take(const Sample& sample) {
     const motion::RigidMotion& motion = sample.segment.motion;
     const double h = motion::secondsBetween(motion.start_ns, motion.end_ns);
     const double longest = std::max(h, max_gap_);  // the other side's segment may be so long
-    const double way =
+    speed_ = way / h;
+    const double most_way =
         (motion.c[1].norm() + (motion.c[2].norm() + motion.c[3].norm() * longest) * longest) * longest;
-    budget += kBudget * (way + reach_ * motion.omega.norm() * h) + 8.0 * reach_ * motion.turn_error;
+    budget += kBudget * (most_way + reach_ * motion.omega.norm() * h) + 8.0 * reach_ * motion.turn_error;
     const motion::ModelError& error = sample.segment.error;
     const double most = error.position + (error.angle == 0.0 ? 0.0 : error.angle * reach_);
     if (error.asked && std::isfinite(most)) tube = most;  // else nobody solves with it

@@ -30,6 +30,8 @@ class Traveller {
   double spent() const { return spentAt(travelled_); }
   /// The same at a sample, with the radius as it is now: of what is proved from there on.
   double spentAt(double travelled) const;
+  /// On the newest segment [m/s]; a guess of how fast it will spend more.
+  double speed() const { return speed_; }
   /// Where the core is at a sample.
   Bounds coreAt(const Track& track, std::size_t index) const;
   /// Holds the object all the way along the segment that leads to `sample`, or at `sample` where none does.
@@ -43,7 +45,7 @@ class Traveller {
   const Object& object_;
   bool is_fixed_ = false;
   double max_gap_, reach_ = 0.0, half_distance_;
-  double radius_ = 0.0, growth_ = 0.0, travelled_ = 0.0;
+  double radius_ = 0.0, growth_ = 0.0, travelled_ = 0.0, speed_ = 0.0;
   Bounds core_{Vec3::Zero(), Vec3::Zero()};
 };
 

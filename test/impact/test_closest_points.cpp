@@ -134,7 +134,7 @@ TEST(ClosestPoints, AreAsCloseAsTheOracleSays) {
 TEST(ClosestPoints, WithoutAClosedFormTheyAreAsClose) {
   Random random(kSeed, 2);
   Real worst = 0;
-  int apart = 0;
+  int apart = 0, early = 0, early_far = 0;
   for (int i = 0; i < 500; ++i) {
     SCOPED_TRACE(i);
     const int other = random.chance(0.5) ? 4 : 3;
@@ -150,12 +150,26 @@ TEST(ClosestPoints, WithoutAClosedFormTheyAreAsClose) {
       if (found.overlap) continue;
       ++apart;
       const oracle::Frame fa = pair.exact.pathA().at(t), fb = pair.exact.pathB().at(t);
-      const Real error = std::abs(found.v.norm() - exactDistance(a, fa, b, fb));
+      const Real exact = exactDistance(a, fa, b, fb), error = std::abs(found.v.norm() - exact);
       worst = std::max(worst, error);
       EXPECT_LT(error, 1e-10L) << "at " << t;
+      // Which points will do, and that the search for others ends there.
+      const double at = static_cast<double>(exact);
+      const auto distance = [&](const GoodEnough& enough) {
+        return closestPoints(Cores(now, a, b), Vec3::Zero(), enough).v.norm();
+      };
+      const double near = distance({1.5 * at}), lossy = distance({0.0, 0.1}),
+                   far = distance({0.0, 0.0, 0.5 * at}), far_in_vain = distance({0.0, 0.0, 1.001 * at});
+      EXPECT_LE(near, 1.5 * at);
+      EXPECT_LE(lossy * (1.0 - 0.1), at + 1e-10);
+      EXPECT_LE(far_in_vain, at + 1e-10);
+      early += near > at + 1e-6 || lossy > at + 1e-6;
+      early_far += far > at + 1e-6;
     }
   }
   EXPECT_GT(apart, 900);
+  EXPECT_GT(early, 100);
+  EXPECT_GT(early_far, 100);
   std::printf("%d distances, the worst off by %.3Lg\n", apart, worst);
 }
 

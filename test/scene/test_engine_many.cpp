@@ -70,19 +70,22 @@ TEST(EngineMany, FiveHundredSpheresThroughEachOtherEveryChangeAndNoneElse) {
       if (!changes.empty()) truth[{objects[k].name, name}] = changes;
     }
   }
-  // Each has its own stamps between the common first and last one.
-  std::vector<std::pair<Nanoseconds, int>> stamps;
+  // Each has its own stamps between the common first and last one; or all have the same, so that a release is
+  // work for several threads.
+  std::vector<std::pair<Nanoseconds, int>> own, common;
   for (int i = 0; i < kCount; ++i) {
     Nanoseconds stamp = 0;
     while (stamp < 1000 * kMs) {
-      stamps.push_back({stamp, i});
+      own.push_back({stamp, i});
       stamp += static_cast<Nanoseconds>(real(10e6, 120e6));
     }
-    stamps.push_back({1000 * kMs, i});
+    own.push_back({1000 * kMs, i});
+    for (int k = 0; k <= 20; ++k) common.push_back({50 * k * kMs, i});
   }
-  std::sort(stamps.begin(), stamps.end());
+  std::sort(own.begin(), own.end());
+  std::sort(common.begin(), common.end());
   const auto scene = sceneOf(objects);
-  for (const int threads : {1, 2}) {
+  for (const auto& [stamps, threads] : {std::pair(own, 1), std::pair(own, 2), std::pair(common, 2)}) {
     Rig rig(scene, impact::MethodName::kCertified, {false, threads});
     for (const auto& [stamp, i] : stamps) {
       motion::StampedPose pose;

@@ -141,7 +141,7 @@ void keep(const Reduced& r, Closest& c) {
 }
 
 /// From any points of B - A down to those closest to the origin.
-Closest descend(const Cores& cores, const Closest& start, double enough, double loss) {
+Closest descend(const Cores& cores, const Closest& start, const GoodEnough& enough) {
   Closest c = start;
   keep(reduce(c.point, c.count, false), c);
   constexpr int kMaxIterations = 96;
@@ -151,10 +151,11 @@ Closest descend(const Cores& cores, const Closest& start, double enough, double 
       c.overlap = true;
       return c;
     }
-    if (length2 <= enough * enough) return c;
+    if (length2 <= enough.distance * enough.distance) return c;
     const SupportPair next = cores.support(-c.v);
-    if (length2 - c.v.dot(next.w) <=
-        std::max(1e-13 * length2, loss * (length2 - enough * std::sqrt(length2))))
+    const double length = std::sqrt(length2), least = c.v.dot(next.w);
+    if (length2 - least <= std::max(1e-13 * length2, enough.loss * (length2 - enough.distance * length)) ||
+        least > enough.far * length)
       return c;
     for (int i = 0; i < c.count; ++i) {
       if (next.w == c.point[i].w) return c;
@@ -227,7 +228,7 @@ SupportPair Cores::support(const Vec3& direction) const {
   return s;
 }
 
-Closest closestPoints(const Cores& cores, const Vec3& guess, double enough, double loss) {
+Closest closestPoints(const Cores& cores, const Vec3& guess, const GoodEnough& enough) {
   if (SlidingPoints::fit(*cores.a.element, *cores.b.element)) return slidingClosest(cores);
   const auto middle = [](const PosedCore& core) {
     const Element& e = *core.element;
@@ -238,13 +239,12 @@ Closest closestPoints(const Cores& cores, const Vec3& guess, double enough, doub
   start.point[0] =
       cores.support(guess.squaredNorm() > 0.0 ? Vec3(-guess) : middle(cores.a) - middle(cores.b));
   start.weight[0] = 1.0;
-  return descend(cores, start, enough, loss);
+  return descend(cores, start, enough);
 }
 
-Closest closestPoints(const Cores& cores, const Closest& before, double enough, double loss) {
-  constexpr int kTetrahedron = 4;
+Closest closestPoints(const Cores& cores, const Closest& before, const GoodEnough& enough) {
   if (SlidingPoints::fit(*cores.a.element, *cores.b.element)) return slidingClosest(cores);
-  if (before.count == 0 || before.count == kTetrahedron) return closestPoints(cores, before.v, enough, loss);
+  if (before.count == 0) return closestPoints(cores, before.v, enough);
   Closest start;
   start.count = before.count;
   for (int i = 0; i < before.count; ++i) {
@@ -253,7 +253,7 @@ Closest closestPoints(const Cores& cores, const Closest& before, double enough, 
     p.local_b = before.point[i].local_b;
     p.w = cores.b.place(p.local_b) - cores.a.place(p.local_a);
   }
-  return descend(cores, start, enough, loss);
+  return descend(cores, start, enough);
 }
 
 }  // namespace collision_node::impact

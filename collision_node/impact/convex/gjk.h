@@ -3,6 +3,8 @@
 /// contact_proof.h, so non-convergence costs speed, not correctness.
 #pragma once
 
+#include <limits>
+
 #include "collision_node/impact/pair_piece.h"
 
 namespace collision_node::impact {
@@ -49,12 +51,19 @@ struct Closest {
   double sure = 0.0;  ///< > 0, from a closed form: v is right to rounding, where that is less than this [m]
 };
 
-/// Closest points of the cores. `guess` is a first direction, e.g. the last answer's v. Points that are as
-/// close as `enough` will do, and so will a distance beyond it that is too large by the share `loss`.
-Closest closestPoints(const Cores& cores, const Vec3& guess, double enough = 0.0, double loss = 0.0);
+/// Which points will do instead of the closest ones.
+struct GoodEnough {
+  double distance = 0.0;  ///< [m] points as close as this
+  double loss = 0.0;      ///< a larger distance that is too large by this share of what it is more
+  /// [m] any, once the cores are seen to be farther apart than this
+  double far = std::numeric_limits<double>::infinity();
+};
+
+/// Closest points of the cores. `guess` is a first direction, e.g. the last answer's v.
+Closest closestPoints(const Cores& cores, const Vec3& guess, const GoodEnough& enough = {});
 
 /// The same, begun with the points that held an earlier answer for the same elements.
-Closest closestPoints(const Cores& cores, const Closest& before, double enough = 0.0, double loss = 0.0);
+Closest closestPoints(const Cores& cores, const Closest& before, const GoodEnough& enough = {});
 
 /// The largest distance of a point of the element's core from its object's origin, to rounding.
 double coreReach(const Element& element);

@@ -70,7 +70,7 @@ Axis PairSteps::closestAt(const Instant& now, double loss) {
                                        return takeOver(points, part, radius, now, loss, &axis);
                                      });
   if (!stays) {
-    closest_ = closestPoints(Cores(now, a_, b_), closest_, radius_, loss);
+    closest_ = closestPoints(Cores(now, a_, b_), closest_, {radius_, loss});
     distance_ = closest_.v.norm();
     axis = axisOf(piece_, now, closest_, radius_ > 0.0);
   }

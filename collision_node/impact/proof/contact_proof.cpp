@@ -28,6 +28,18 @@ double largestCross(const Vec3& u0, const Vec3& u1, const Vec3& v0, const Vec3& 
   return std::max({u0.cross(v0).norm(), 0.5 * (u0.cross(v1) + u1.cross(v0)).norm(), u1.cross(v1).norm()});
 }
 
+/// Points with which cores are proved to be within `limit` of each other, if they are: what is left to it
+/// makes the proof last, and no search for more of that pays.
+GoodEnough within(double limit) {
+  constexpr double kShare = 0.5, kLoss = 0x1p-6;
+  return {kShare * limit, kLoss, limit};
+}
+
+/// Where what is `first` at the start and `last` at the end would reach 0 if it fell evenly; else half-way.
+double lastingShare(double first, double last) {
+  return first > 0.0 && last < 0.0 ? first / (first - last) : 0.5;
+}
+
 /// The same face, begun at the corner whose two edges have the smallest product: the determinant is the same
 /// from any corner, its rounding is not.
 std::array<std::int16_t, 3> fromShortestEdges(const std::array<std::int16_t, 3>& face,
@@ -43,7 +55,8 @@ std::array<std::int16_t, 3> fromShortestEdges(const std::array<std::int16_t, 3>&
 
 /// Every face at a known side of the origin between the two instants: Bernstein coefficients of the
 /// determinant of three chords, minus what the true paths can differ from them.
-bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, const Wrap& wrap) {
+bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, const Wrap& wrap,
+               double& share) {
   const double e = chordError(piece, to.t - from.t);
   std::array<Vec3, Wrap::kMostPoints> p, q;
   for (std::size_t i = 0; i < wrap.points.size(); ++i) {
@@ -69,7 +82,10 @@ bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, c
     const double b3 = det(qi, qu, qv);
     const double b1 = det(qi, pu, pv) + det(pi, qu, pv) + det(pi, pu, qv);
     const double b2 = det(pi, qu, qv) + det(qi, pu, qv) + det(qi, qu, pv);
-    if (!(b0 > slack && b3 > slack && b1 > 3.0 * slack && b2 > 3.0 * slack)) return false;
+    if (!(b0 > slack && b3 > slack && b1 > 3.0 * slack && b2 > 3.0 * slack)) {
+      share = lastingShare(b0, b3 - slack);
+      return false;
+    }
   }
   return true;
 }
@@ -153,12 +169,13 @@ bool touchesShrunk(const PairPiece& piece, const Instant& now, const Element& a,
   if (!(deepest > least)) return false;
   constexpr double kStep = 8.0;
   const bool first = !(witness.shrunk > 0.0);
-  double best = 0.0;
+  const double faster = std::isinf(witness.shrunk) ? kStep : 1.0;  // where nothing is known of it
+  double best = 0.0, step = kStep;
   for (double depth = std::min(deepest, first ? 64.0 * piece.point_error : kStep * witness.shrunk);
-       depth >= least; depth = std::max(depth / kStep, depth > least ? least : 0.0)) {
+       depth >= least; depth = std::max(depth / step, depth > least ? least : 0.0), step *= faster) {
     const Shrunk small(piece, a, b, depth);
     const double limit = small.radius - 2.0 * piece.point_error;
-    Closest closest = closestPoints(Cores(now, small.a, small.b), guess, first ? 0.5 * limit : 0.0);
+    Closest closest = closestPoints(Cores(now, small.a, small.b), guess, within(limit));
     refineWeights(closest);
     if (closest.v.norm() > limit) {
       const Closest on_edges = closestOnEdges(Cores(now, small.a, small.b), closest);
@@ -196,7 +213,8 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
   if (!closest.overlap && closest.v.norm() > 16.0 * piece.point_error) return false;
   if (touchesShrunk(piece, now, a, b, closest.overlap ? closest.last : closest.v, witness)) return true;
   const auto holds = [&] {
-    if (!wrapHolds(piece, now, now, witness.wrap)) return false;
+    double share;
+    if (!wrapHolds(piece, now, now, witness.wrap, share)) return false;
     witness.rounded = false;
     witness.shrunk = 0.0;
     // The common point: by GJK's weights where it found the origin inside, else the support of the nearest
@@ -262,13 +280,20 @@ bool touchesSliding(const PairPiece& piece, const Instant& now, const Element& a
 }
 
 bool touchesThrough(const PairPiece& piece, const Instant& from, const Instant& to, const Element& a,
-                    const Element& b, const ContactWitness& witness) {
-  if (!witness.rounded) return wrapHolds(piece, from, to, witness.wrap);
+                    const Element& b, ContactWitness& witness, double& share) {
+  if (!witness.rounded) return wrapHolds(piece, from, to, witness.wrap, share);
   const Shrunk small(piece, a, b, witness.shrunk);
-  Closest last = closestPoints(Cores(to, small.a, small.b), witness.closest.v);
+  const double limit = small.radius - chordError(piece, to.t - from.t) - piece.point_error;
+  share = 0.5;
+  if (!(limit > 0.0)) return false;
+  Closest last = closestPoints(Cores(to, small.a, small.b), witness.closest, within(limit));
   refineWeights(last);
-  return closeThrough(from, to, witness.closest, last,
-                      small.radius - chordError(piece, to.t - from.t) - piece.point_error);
+  if (closeThrough(from, to, witness.closest, last, limit)) {
+    witness.closest = last;
+    return true;
+  }
+  share = lastingShare(limit - witness.closest.v.norm(), limit - last.v.norm());
+  return false;
 }
 
 }  // namespace collision_node::impact

@@ -44,8 +44,10 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
 bool touchesSliding(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
                     const Closest& before, const Vec3* direction, ContactWitness& witness);
 
-/// Do the elements that `witness` holds at `from` touch at every time in [from.t, to.t]?
+/// Do the elements that `witness` holds at `from` touch at every time in [from.t, to.t]? If so, it holds them
+/// at `to`; its `point` stays that of the instant before. Else `share` becomes a guess: up to which share of
+/// the time it may be.
 bool touchesThrough(const PairPiece& piece, const Instant& from, const Instant& to, const Element& a,
-                    const Element& b, const ContactWitness& witness);
+                    const Element& b, ContactWitness& witness, double& share);
 
 }  // namespace collision_node::impact

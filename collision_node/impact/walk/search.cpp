@@ -275,7 +275,7 @@ Proved Search::classifyElements(const Instant& now, const Element& a, const Elem
   const double radius = a.radius + b.radius + piece_.contact_distance;
   // Known points that are as close as a proof needs will do, unless it is to last.
   const double enough = start.count > 0 ? std::max(0.0, radius - 4.0 * piece_.point_error) : 0.0;
-  const Closest closest = closestPoints(Cores(now, a, b), start, enough);
+  const Closest closest = closestPoints(Cores(now, a, b), start, {enough});
   // What is likelier is asked first: the two answers exclude each other.
   const bool likely = closest.overlap || closest.v.norm() < radius;
   if (likely && touchesAt(piece_, now, a, b, closest, witness)) return Proved::kContact;
@@ -363,11 +363,14 @@ bool Search::longestLasting(double t, double horizon, ContactWitness* witness) {
   const double end = std::min(t + horizon, piece_.motion.duration());
   for (double span = end - t; span > 16.0 * kUnit * piece_.motion.duration(); span *= 0.125) {
     const Instant later = piece_.at(t + span);
-    for (const ContactWitness& w : found_) {
+    for (ContactWitness& w : found_) {
       ++node_tests_;
       Vec3 buffer_a[3], buffer_b[3];
       const Element a = piece_.a.element(w.element_a, buffer_a), b = piece_.b.element(w.element_b, buffer_b);
-      if (touchesThrough(piece_, now, later, a, b, w)) {
+      double share;
+      const Closest closest = w.closest;
+      if (touchesThrough(piece_, now, later, a, b, w, share)) {
+        w.closest = closest;
         *witness = w;
         return true;
       }

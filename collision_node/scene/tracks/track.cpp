@@ -57,7 +57,8 @@ void Track::add(motion::StampedPose pose, bool guessed, std::optional<Nanosecond
 
 bool Track::isKnown(Nanoseconds stamp_ns) const {
   if (isEmpty() || stamp_ns > newest_) return false;
-  return pending_.count(stamp_ns) != 0 || std::binary_search(recent_.begin(), recent_.end(), stamp_ns);
+  return std::binary_search(pending_.begin(), pending_.end(), stamp_ns, Earlier()) ||
+         std::binary_search(recent_.begin(), recent_.end(), stamp_ns);
 }
 
 /// How far a stamp lies before what the track has reached. While nothing is released that is the newest pose.
@@ -127,15 +128,19 @@ void Track::insert(const Arrival& arrival) {
   const bool first = isEmpty();
   if (!first && stamp < newest_) ++counts_.reordered;
   ++counts_.accepted;
+  pending_.push_back(arrival);
+  if (!first && stamp < newest_) {
+    const auto last = pending_.end() - 1;
+    std::rotate(std::upper_bound(pending_.begin(), last, stamp, Earlier()), last, pending_.end());
+  }
   newest_ = first ? stamp : std::max(newest_, stamp);
-  pending_.emplace(stamp, arrival);
   releaseUpTo(newest_ - options_.reorder_ns);
 }
 
 void Track::releaseUpTo(Nanoseconds stamp_ns) {
-  while (!pending_.empty() && pending_.begin()->first <= stamp_ns) {
-    const Arrival next = pending_.begin()->second;
-    pending_.erase(pending_.begin());
+  while (!pending_.empty() && pending_.front().pose.stamp_ns <= stamp_ns) {
+    const Arrival next = pending_.front();
+    pending_.pop_front();
     release(next);
   }
 }

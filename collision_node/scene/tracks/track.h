@@ -9,12 +9,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <limits>
-#include <map>
 #include <optional>
 
 #include "collision_node/scene/tracks/instant.h"
+#include "collision_node/scene/tracks/ring.h"
 #include "collision_node/scene/tracks/segment.h"
 
 namespace collision_node::scene {
@@ -152,6 +151,10 @@ class Track {
     motion::StampedPose pose;
     bool guessed = false;
   };
+  struct Earlier {
+    bool operator()(const Arrival& l, Nanoseconds r) const { return l.pose.stamp_ns < r; }
+    bool operator()(Nanoseconds l, const Arrival& r) const { return l < r.pose.stamp_ns; }
+  };
 
   bool isKnown(Nanoseconds stamp_ns) const;
   Nanoseconds backBy(Nanoseconds stamp_ns) const;
@@ -169,27 +172,28 @@ class Track {
 
   TrackOptions options_;
   bool fixed_ = false;
-  Nanoseconds fixed_from_ns_ = std::numeric_limits<Nanoseconds>::min();
+  bool held_may_be_stale_ = false;  ///< held_ may be a leftover from before /clock went back
+  bool went_back_ = false;          ///< by its own poses, and /clock has not said so yet
+  bool given_up_ = false;
+  bool comes_ahead_ = false;
   std::uint32_t epoch_ = 0, scene_epoch_ = 0;
-  std::map<Nanoseconds, Arrival> pending_;     ///< delivered, not released, of epoch_
+  Ring<Arrival> pending_;                      ///< delivered, not released, of epoch_; by stamp
   std::optional<Nanoseconds> last_released_;   ///< in epoch_
   std::optional<Nanoseconds> first_released_;  ///< in epoch_
-  std::deque<Nanoseconds> recent_;             ///< released in epoch_ within the last `jump`, ascending
+  Ring<Nanoseconds> recent_;                   ///< released in epoch_ within the last `jump`, ascending
   std::optional<Nanoseconds> scene_first_, scene_last_;
   Nanoseconds past_lead_ = 0;         ///< how long the epochs between the scene's and epoch_ lasted
   std::optional<Nanoseconds> floor_;  ///< where a track that joined late may begin; until its next release
   Nanoseconds newest_ = 0;            ///< in epoch_, of those delivered
-  std::optional<Arrival> held_;
-  bool held_may_be_stale_ = false;         ///< held_ may be a leftover from before /clock went back
   std::optional<Nanoseconds> stale_from_;  ///< a first pose this young may be such a leftover
-  bool went_back_ = false;                 ///< by its own poses, and /clock has not said so yet
-  bool given_up_ = false;
-  bool comes_ahead_ = false;
   std::optional<Nanoseconds> closed_ns_;
-  std::deque<Sample> samples_;  ///< of the scene's epoch and later ones
-  std::size_t base_ = 0;        ///< index of samples_.front()
-  InputCounts counts_;
+  Ring<Sample> samples_;    ///< of the scene's epoch and later ones
+  std::size_t base_ = 0;    ///< index of samples_.front()
   double travelled_ = 0.0;  ///< Sample::travelled of the newest
+  InputCounts counts_;
+  // What follows is hardly ever looked at.
+  std::optional<Arrival> held_;
+  Nanoseconds fixed_from_ns_ = std::numeric_limits<Nanoseconds>::min();
   std::optional<Hole> first_hole_;
 };
 
