@@ -234,11 +234,12 @@ const Parting* Search::partingAt(double time, ElementPair pair) const {
   return nullptr;
 }
 
-NearPairs Search::nearPairs(double from, double to, std::size_t limit) {
+NearPairs Search::nearPairs(double from, double to, std::size_t limit, ElementPair known) {
   struct Leaf {
     Search& search;
     NearPairs& pairs;
     std::size_t limit;
+    ElementPair known;
     double unresolved(double) { return -kInfinity; }
     double operator()(const Slab& slab, std::int32_t ea, std::int32_t eb, Span span) {
       Vec3 buffer_a[3], buffer_b[3];
@@ -248,6 +249,7 @@ NearPairs Search::nearPairs(double from, double to, std::size_t limit) {
       return advance(ea, eb, span);
     }
     double advance(std::int32_t ea, std::int32_t eb, Span span) {
+      if (ea == known.a && eb == known.b) return kInfinity;
       Vec3 buffer_a[3], buffer_b[3];
       const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
       const auto same = [&](const ElementPair& p) { return p.a == ea && p.b == eb; };
@@ -258,7 +260,7 @@ NearPairs Search::nearPairs(double from, double to, std::size_t limit) {
     }
   };
   NearPairs pairs;
-  Leaf leaf{*this, pairs, limit};
+  Leaf leaf{*this, pairs, limit, known};
   if (from >= near_from_ && to <= near_to_) {  // all of them were seen a moment ago
     for (const Near& near : near_) {
       ++node_tests_;

@@ -67,8 +67,8 @@ class Search {
   /// The same for the surfaces of one pair of elements, which need no walk.
   Proved classifyPair(double t, ElementPair pair, ContactWitness* witness);
 
-  /// Pairs of elements not proved apart throughout [from, to], at most `limit` (<= 64).
-  NearPairs nearPairs(double from, double to, std::size_t limit);
+  /// Pairs of elements not proved apart throughout [from, to], at most `limit` (<= 64), without `known`.
+  NearPairs nearPairs(double from, double to, std::size_t limit, ElementPair known = {});
 
   /// The part of the piece's time outside of which no point of one body can come within reach of the other.
   const Span& withinReach() const { return reach_; }
