@@ -42,28 +42,33 @@ double CorePair::hullsAlong(const TwoVec3& u) const {
   return sum;
 }
 
-CorePair::Trend CorePair::trend(const TwoVec3 (&u)[3]) const {
-  const TwoVec3 corner(withSignOf(half_.x, u[0].x), withSignOf(half_.y, u[0].y), withSignOf(half_.z, u[0].z));
+CorePair::Trend CorePair::trend(const TwoVec3 (&u)[3], double at) const {
+  const TwoVec3 there = u[0] + at * (u[1] + at * u[2]);
+  const TwoVec3 corner(withSignOf(half_.x, there.x), withSignOf(half_.y, there.y),
+                       withSignOf(half_.z, there.z));
   const Two across2 = u[0].x * u[0].x + u[0].y * u[0].y;
   // Along a cylinder's axis its rim tells nothing.
   const Two safe = across2 > 0.0 ? across2 : twice(1.0);
-  const Two per = across2 > 0.0 ? rim_ / squareRoot(safe) : twice(0.0);
+  const Two length = squareRoot(safe), per = across2 > 0.0 ? rim_ / length : twice(0.0);
   const Two turn = u[0].x * u[1].y - u[0].y * u[1].x;
+  const Two value = dot(corner, u[0]) + per * across2;
   const Two rate = dot(corner, u[1]) + per * (u[0].x * u[1].x + u[0].y * u[1].y);
   const Two bend = dot(corner, u[2]) + per * (u[0].x * u[2].x + u[0].y * u[2].y + 0.5 * turn * turn / safe);
-  Trend trend{rate[0] + rate[1], bend[0] + bend[1]};
-  if (has_hull_) addHulls(u, trend);
+  Trend trend{value[0] + value[1], rate[0] + rate[1], bend[0] + bend[1]};
+  if (has_hull_) addHulls(u, there, trend);
   return trend;
 }
 
-void CorePair::addHulls(const TwoVec3 (&u)[3], Trend& trend) const {
+void CorePair::addHulls(const TwoVec3 (&u)[3], const TwoVec3& there, Trend& trend) const {
   if (hull_[0] != nullptr) {
-    const Vec3& x = farthest(*hull_[0], u[0].a());
+    const Vec3& x = farthest(*hull_[0], there.a());
+    trend.value += x.dot(u[0].a());
     trend.rate += x.dot(u[1].a());
     trend.bend += x.dot(u[2].a());
   }
   if (hull_[1] != nullptr) {
-    const Vec3& x = farthest(*hull_[1], -u[0].b());
+    const Vec3& x = farthest(*hull_[1], -there.b());
+    trend.value -= x.dot(u[0].b());
     trend.rate -= x.dot(u[1].b());
     trend.bend -= x.dot(u[2].b());
   }

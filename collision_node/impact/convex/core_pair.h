@@ -38,16 +38,16 @@ class CorePair {
     return has_hull_ ? framed + hullsAlong(u) : framed;
   }
 
-  /// Its rate and half its second derivative at s = 0 along u[0] + s u[1] + s^2 u[2], as long as its features
-  /// stay.
+  /// value + s rate + s^2 bend along u[0] + s u[1] + s^2 u[2], to the second order, of the features that are
+  /// farthest at s = `at`. What is along an edge has no sign until then.
   struct Trend {
-    double rate, bend;
+    double value, rate, bend;
   };
-  Trend trend(const TwoVec3 (&u)[3]) const;
+  Trend trend(const TwoVec3 (&u)[3], double at) const;
 
  private:
   double hullsAlong(const TwoVec3& u) const;
-  void addHulls(const TwoVec3 (&u)[3], Trend& trend) const;
+  void addHulls(const TwoVec3 (&u)[3], const TwoVec3& there, Trend& trend) const;
 
   TwoVec3 centre_;  ///< object's frame
   TwoVec3 half_;    ///< half lengths of a box, a segment or, along its axis, a cylinder

@@ -67,11 +67,12 @@ GapModel::Bounds GapModel::until(double end) const {
   return bounds;
 }
 
-GapModel::Trend GapModel::trend() const {
-  const CorePair::Trend cores = cores_.trend(seen_);
+GapModel::Trend GapModel::trend(double span) const {
+  const double speed = std::abs(level_[1]);  // about, of approach
+  const CorePair::Trend cores = cores_.trend(seen_, first_ < span * speed ? first_ / speed : span);
   const double along = direction_.dot(rate_) / length_;
   Trend t;
-  t.first = first_;
+  t.first = level_[0] - cores.value - length_ * (grown_ + point_error_);
   t.slope = level_[1] - cores.rate - grown_ * along - rate_length_ * point_error_ - length_ * rate_error_;
   t.bend = level_[2] - cores.bend - 0.5 * grown_ * (rate_length_ * rate_length_ - along * along) / length_ -
            rate_length_ * rate_error_;
@@ -296,11 +297,11 @@ Axes featureAxes(const PairPiece& piece, const Instant& now, const Element& a, c
 
 COLLISION_NODE_ANY_WIDTH COLLISION_NODE_WITH_CALLS Apart apartFor(const GapModel& model, double span) {
   if (!(model.first() > 0.0) || !(span > 0.0)) return {};
-  GapModel::Trend trend = model.trend();
+  GapModel::Trend trend = model.trend(span);
   constexpr int kRefits = 3, kMost = 14;
   // Of a pair that recedes the chord tells nothing until the end is near.
   const int bold = trend.slope > 0.0 ? kMost - 3 : 6;
-  constexpr double kInside = 1e-9, kUnsure = 0.02;
+  constexpr double kInside = 1e-9, kUnsure = 0.05;
   double end = span;
   for (int i = 0; i < kMost; ++i) {
     if (i < kRefits) {

@@ -59,7 +59,8 @@ class GapModel {
       return slope + s * (2.0 * bend - s * (3.0 * cubic + s * 4.0 * quartic));
     }
   };
-  Trend trend() const;
+  /// With the features that hold it at about its root, where that is within `span`, or else then.
+  Trend trend(double span = 0.0) const;
 
  private:
   void see(const PairPiece& piece, const Instant& now);
