@@ -114,10 +114,17 @@ void Search::walk(double from, double to, bool by_time, Leaf&& leaf) {
                               item.span, spans);
   };
   slabs_.start(from, to);
-  agenda_.start(from, to, by_time);
   ++node_tests_;
   constexpr std::int32_t kRoot = geometry::Bvh::kRoot;
-  agenda_.push({{kRoot, kRoot}, 0, -1, {from, to}});
+  Item whole{{kRoot, kRoot}, 0, -1, {from, to}};
+  if (by_time) {  // where days are worth it: those that the roots leave
+    Span spans[kWidth];
+    const geometry::BvhBlock &root_a = tree_[0]->block(kRoot), &root_b = tree_[1]->block(kRoot);
+    if ((test_.clipChildren(slabs_[0], root_a, true, root_b, 0, whole.span, spans) & 1U) == 0) return;
+    whole.span = spans[0];
+  }
+  agenda_.start(whole.span.low, whole.span.high, by_time);
+  agenda_.push(whole);
   double until = kInfinity;
   while (!agenda_.empty()) {
     Item item = agenda_.pop();
