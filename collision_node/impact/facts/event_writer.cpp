@@ -89,10 +89,9 @@ void EventWriter::joinNeighbours(PairEvent& event, ContactFacts& facts, const Br
   if (pair_.a.elementCount() == 1 && pair_.b.elementCount() == 1) return;
   constexpr std::size_t kLimit = 48;
   const Instant now = pair_.at(bracket.reference);
-  const NearPairs near_pairs = search_.nearPairs(bracket.lower, bracket.upper, kLimit);
+  const NearPairs near_pairs = search_.nearPairs(bracket.lower, bracket.upper, kLimit, pair);
   if (near_pairs.size() >= kLimit || search_.exhausted()) event.multiple = true;  // not all were looked at
   for (const ElementPair& other : near_pairs) {
-    if (other.a == pair.a && other.b == pair.b) continue;
     const ContactFacts near =
         describeContact(pair_, now, bracket.upper - bracket.lower, other, bracket.apart_at, bracket.earlier,
                         search_.partingAt(bracket.reference, other), Closest(), views_);

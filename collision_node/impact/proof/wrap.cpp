@@ -27,6 +27,7 @@ class WrapBuilder {
   bool addPoint(const SupportPair& point, std::size_t seed);
   bool isClosed() const;
   void addFace(int a, int b, int c);
+  void removeFace(std::size_t face);
   std::int16_t& owner(int from, int to) {
     return owner_[static_cast<std::size_t>(from) * Wrap::kMostPoints + static_cast<std::size_t>(to)];
   }
@@ -47,6 +48,21 @@ void WrapBuilder::addFace(int a, int b, int c) {
   planes_.push_back(length > 0.0 ? Plane{n / length, n.dot(pa) / length}
                                  : Plane{Vec3::Zero(), std::numeric_limits<double>::infinity()});
   owner(a, b) = owner(b, c) = owner(c, a) = static_cast<std::int16_t>(id);
+}
+
+/// The last face takes its place.
+void WrapBuilder::removeFace(std::size_t face) {
+  const auto own = [this](const Face& f, std::int16_t id) {
+    owner(f[0], f[1]) = owner(f[1], f[2]) = owner(f[2], f[0]) = id;
+  };
+  own(wrap_.faces[face], -1);
+  if (face + 1 < wrap_.faces.size()) {
+    wrap_.faces[face] = wrap_.faces.back();
+    planes_[face] = planes_.back();
+    own(wrap_.faces[face], static_cast<std::int16_t>(face));
+  }
+  wrap_.faces.pop_back();
+  planes_.pop_back();
 }
 
 /// Every directed edge once, its reverse once: the premise of the winding argument.
@@ -149,19 +165,8 @@ bool WrapBuilder::addPoint(const SupportPair& point, std::size_t seed) {
       if (!seen[static_cast<std::size_t>(owner(to, from))]) horizon.push_back({from, to});
     }
   }
-  const OnePerFace<Face> before = wrap_.faces;
-  const OnePerFace<Plane> planes = planes_;
-  wrap_.faces.clear();
-  planes_.clear();
-  for (const Face& f : before) {
-    for (int k = 0; k < 3; ++k) owner(f[k], f[(k + 1) % 3]) = -1;
-  }
-  for (std::size_t g = 0; g < before.size(); ++g) {
-    if (seen[g]) continue;
-    const auto face = static_cast<std::int16_t>(wrap_.faces.size());
-    wrap_.faces.push_back(before[g]);
-    planes_.push_back(planes[g]);
-    for (int k = 0; k < 3; ++k) owner(before[g][k], before[g][(k + 1) % 3]) = face;
+  for (std::size_t g = wrap_.faces.size(); g-- > 0;) {
+    if (seen[g]) removeFace(g);
   }
   const int id = static_cast<int>(wrap_.points.size());
   wrap_.points.push_back(point);

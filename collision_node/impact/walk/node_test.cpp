@@ -54,15 +54,15 @@ COLLISION_NODE_INLINE Four combined(const double rows[3][kWidth], const Number x
 
 constexpr double kTiny = 1e-30;  ///< keeps the quotient of two zeros at zero
 
-/// The children are seen from the frame of `fixed_node` by `in_fixed`; `in_moving` is the other way round,
-/// and its matrices are the transposed ones. Returns in which lanes time is left.
+/// `moving` are the children; they are seen from the frame of the node `fixed` by `in_fixed`; `in_moving` is
+/// the other way round, and its matrices are the transposed ones. Returns in which lanes time is left.
 COLLISION_NODE_ANY_WIDTH
 unsigned clipBlock(const Slab& slab, const SlabView& in_fixed, const SlabView& in_moving,
-                   const geometry::BvhNode& fixed_node, const geometry::BvhBlock& moving, double grown,
+                   const geometry::BvhBlock& fixed, int lane, const geometry::BvhBlock& moving, double grown,
                    double pad, Span span, Span clipped[kWidth]) {
   const double bend = 0.5 * slab.half * slab.half * kUp;
-  const double centre[3] = {fixed_node.centre[0], fixed_node.centre[1], fixed_node.centre[2]};
-  const double half[3] = {fixed_node.half[0], fixed_node.half[1], fixed_node.half[2]};
+  const double centre[3] = {fixed.centre[0][lane], fixed.centre[1][lane], fixed.centre[2][lane]};
+  const double half[3] = {fixed.half[0][lane], fixed.half[1][lane], fixed.half[2][lane]};
   Four c[3], h[3];
   for (int k = 0; k < 3; ++k) {
     c[k] = load(moving.centre[k]);
@@ -80,7 +80,7 @@ unsigned clipBlock(const Slab& slab, const SlabView& in_fixed, const SlabView& i
   }
 
   // Across those of the children. Lane k is axis k here.
-  const double back_extra = grown + bend * (in_moving.bend + slab.bend_q * fixed_node.reach);
+  const double back_extra = grown + bend * (in_moving.bend + slab.bend_q * fixed.reach[lane]);
   const Four back_place = loadFour(in_moving.p0) + combined(in_fixed.q0, centre);
   const Four back_rate = loadFour(in_moving.p1) + combined(in_fixed.q1, centre);
   const Four back_half = combined(in_fixed.extent, half);
@@ -91,8 +91,10 @@ unsigned clipBlock(const Slab& slab, const SlabView& in_fixed, const SlabView& i
   Four n[3];
   for (int k = 0; k < 3; ++k) n[k] = load(moving.plate[k]);
   const Four middle = load(moving.plate_middle), thick = load(moving.plate_half);
-  const double m[3] = {fixed_node.plate[0], fixed_node.plate[1], fixed_node.plate[2]};
-  const double m2 = dotOf(m, m), fixed_middle = fixed_node.plate_middle, fixed_thick = fixed_node.plate_half;
+  const double m[3] = {static_cast<double>(fixed.plate[0][lane]), static_cast<double>(fixed.plate[1][lane]),
+                       static_cast<double>(fixed.plate[2][lane])};
+  const double m2 = dotOf(m, m), fixed_middle = fixed.plate_middle[lane],
+               fixed_thick = fixed.plate_half[lane];
   if (m2 > 0.0) {
     const Four v0 = combined(in_fixed.q0, m);
     const Four turned = slab.half * magnitude(combined(in_fixed.q1, m));
@@ -132,10 +134,11 @@ NodeTest::NodeTest(const PairPiece& piece)
       pad_(32.0 * kUnit * piece.motion.duration()) {}
 
 unsigned NodeTest::clipChildren(const Slab& slab, const geometry::BvhBlock& children, bool of_a,
-                                const geometry::BvhNode& fixed, Span span, Span clipped[kWidth]) const {
+                                const geometry::BvhBlock& fixed, int lane, Span span,
+                                Span clipped[kWidth]) const {
   const double grown = grown_ + 2.0 * slab.half * piece_.rate_error;
-  return clipBlock(slab, of_a ? slab.in_b : slab.in_a, of_a ? slab.in_a : slab.in_b, fixed, children, grown,
-                   pad_, span, clipped);
+  return clipBlock(slab, of_a ? slab.in_b : slab.in_a, of_a ? slab.in_a : slab.in_b, fixed, lane, children,
+                   grown, pad_, span, clipped);
 }
 
 namespace {

@@ -19,10 +19,10 @@ class NodeTest {
   explicit NodeTest(const PairPiece& piece);
 
   /// The parts of `span`, which lies in the slab, in which the boxes of the children of one node of A
-  /// (`of_a`) can be within the contact distance of a node of B, or the other way round. Returns in which
-  /// lanes time is left.
+  /// (`of_a`) can be within the contact distance of a node of B, that of `lane` in the block `fixed`, or the
+  /// other way round. Returns in which lanes time is left.
   unsigned clipChildren(const Slab& slab, const geometry::BvhBlock& children, bool of_a,
-                        const geometry::BvhNode& fixed, Span span,
+                        const geometry::BvhBlock& fixed, int lane, Span span,
                         Span clipped[geometry::BvhBlock::kWidth]) const;
 
   /// Is one of the faces' planes between the two triangles throughout the span?

@@ -20,6 +20,12 @@ constexpr int kAtOnce = 4;  ///< tests that hide each other's latencies (measure
 
 constexpr int kWidth = geometry::BvhBlock::kWidth;
 
+// Without signs: nothing to round towards zero.
+std::int32_t blockOf(std::int32_t node) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(node) / kWidth);
+}
+int laneOf(std::int32_t node) { return static_cast<int>(static_cast<std::uint32_t>(node) % kWidth); }
+
 /// A measure of a node's size, to compare with others.
 double sizeOf(const geometry::BvhBlock& block, int lane) {
   return 0.6 * (block.half[0][lane] + block.half[1][lane] + block.half[2][lane]);
@@ -30,6 +36,7 @@ double sizeOf(const geometry::BvhBlock& block, int lane) {
 Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& workspace,
                std::optional<StraightPath> straight)
     : piece_(piece),
+      tree_{&piece.a.bvh(), &piece.b.bvh()},
       reach_(reachOf(piece)),
       test_(piece),
       budget_(node_budget),
@@ -37,15 +44,15 @@ Search::Search(const PairPiece& piece, std::uint64_t node_budget, Workspace& wor
       workspace_of_shells_(shells_ ? &workspace.buffers().forShells() : nullptr),
       straight_(std::move(straight)),
       slabs_(piece, workspace.buffers().slabs),
-      stack_(workspace.buffers().stack),
+      agenda_(workspace.buffers().agenda),
       near_(workspace.buffers().near),
       found_(workspace.buffers().found) {}
 
 /// Puts the item into the smallest slab that was made for it, and says what is to be done with it.
 Search::Todo Search::todo(Item& item) {
-  const geometry::Bvh &tree_a = piece_.a.bvh(), &tree_b = piece_.b.bvh();
-  const geometry::BvhBlock &block_a = tree_a.block(item.a / kWidth), &block_b = tree_b.block(item.b / kWidth);
-  const int lane_a = item.a % kWidth, lane_b = item.b % kWidth;
+  const geometry::BvhBlock &block_a = tree_[0]->block(blockOf(item.node[0])),
+                           &block_b = tree_[1]->block(blockOf(item.node[1]));
+  const int lane_a = laneOf(item.node[0]), lane_b = laneOf(item.node[1]);
   const std::int32_t link_a = block_a.link[lane_a], link_b = block_b.link[lane_b];
   const double size_a = sizeOf(block_a, lane_a), size_b = sizeOf(block_b, lane_b);
   const double reach = std::max(block_a.reach[lane_a], block_b.reach[lane_b]);
@@ -64,34 +71,31 @@ Search::Todo Search::todo(Item& item) {
     if (straddles || (slab.child[late] < 0 && !bends(slab))) break;
     item.slab = slab.child[late] < 0 ? slabs_.childOf(item.slab, late) : slab.child[late];
   }
-  if (link_a < 0 && link_b < 0) return {Todo::kElements, false, link_a, link_b};
-  if (straddles && bends(slabs_[item.slab])) return {Todo::kHalve, false, link_a, link_b};
-  return {Todo::kTest, link_b < 0 || (link_a >= 0 && size_a >= size_b), link_a, link_b};
+  if (link_a < 0 && link_b < 0) return {Todo::kElements, 0, {link_a, link_b}};
+  if (straddles && bends(slabs_[item.slab])) return {Todo::kHalve, 0, {link_a, link_b}};
+  const bool of_b = (link_b >= 0) & ((link_a < 0) | (size_a < size_b));  // either as often: no branch
+  return {Todo::kTest, of_b, {link_a, link_b}};
 }
 
-/// Puts the children with time left on the stack, nearest in time last, so that it is looked at first.
+/// Notes the children with time left.
 void Search::pushChildren(const Item& item, const Todo& todo, unsigned lanes, const Span spans[],
                           double until) {
-  const geometry::Bvh& tree = todo.of_a ? piece_.a.bvh() : piece_.b.bvh();
-  const std::int32_t link = todo.of_a ? todo.link_a : todo.link_b;
+  const geometry::Bvh& tree = *tree_[todo.parent];
+  const std::int32_t link = todo.link[todo.parent];
   const geometry::BvhBlock& children = tree.block(link);
-  int order[kWidth], kept = 0;
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
     if (!(spans[i].low < until)) continue;
-    int place = kept++;
-    for (; place > 0 && spans[order[place - 1]].low < spans[i].low; --place) order[place] = order[place - 1];
-    order[place] = i;
-  }
-  for (int i = 0; i < kept; ++i) {
-    tree.prefetch(children.link[order[i]]);
-    const std::int32_t child = kWidth * link + order[i];
-    stack_.push_back({todo.of_a ? child : item.a, todo.of_a ? item.b : child, item.slab, spans[order[i]]});
+    tree.prefetch(children.link[i]);
+    Item child = item;
+    child.node[todo.parent] = kWidth * link + i;
+    child.span = spans[i];
+    agenda_.push(child);
   }
 }
 
 template <typename Leaf>
-void Search::walk(double from, double to, Leaf&& leaf) {
+void Search::walk(double from, double to, bool by_time, Leaf&& leaf) {
   const bool primitives = piece_.a.triangleCount() == 0 && piece_.b.triangleCount() == 0;
   if (primitives && piece_.a.elementCount() == 1 && piece_.b.elementCount() == 1) {  // nothing to walk
     ++node_tests_;
@@ -102,39 +106,44 @@ void Search::walk(double from, double to, Leaf&& leaf) {
     }
     return;
   }
-  const geometry::Bvh &tree_a = piece_.a.bvh(), &tree_b = piece_.b.bvh();
   const auto clip = [&](const Item& item, const Todo& todo, Span spans[]) {
-    const Slab& slab = slabs_[item.slab];
-    return todo.of_a
-               ? test_.clipChildren(slab, tree_a.block(todo.link_a), true, tree_b[item.b], item.span, spans)
-               : test_.clipChildren(slab, tree_b.block(todo.link_b), false, tree_a[item.a], item.span, spans);
+    const std::int32_t other = item.node[1 - todo.parent];
+    return test_.clipChildren(slabs_[item.slab], tree_[todo.parent]->block(todo.link[todo.parent]),
+                              todo.parent == 0, tree_[1 - todo.parent]->block(blockOf(other)), laneOf(other),
+                              item.span, spans);
   };
   slabs_.start(from, to);
-  stack_.clear();
   ++node_tests_;
   constexpr std::int32_t kRoot = geometry::Bvh::kRoot;
-  stack_.push_back({kRoot, kRoot, 0, {from, to}});
+  Item whole{{kRoot, kRoot}, 0, -1, {from, to}};
+  if (by_time) {  // where days are worth it: those that the roots leave
+    Span spans[kWidth];
+    const geometry::BvhBlock &root_a = tree_[0]->block(kRoot), &root_b = tree_[1]->block(kRoot);
+    if ((test_.clipChildren(slabs_[0], root_a, true, root_b, 0, whole.span, spans) & 1U) == 0) return;
+    whole.span = spans[0];
+  }
+  agenda_.start(whole.span.low, whole.span.high, by_time);
+  agenda_.push(whole);
   double until = kInfinity;
-  while (!stack_.empty()) {
-    Item item = stack_.back();
-    stack_.pop_back();
+  while (!agenda_.empty()) {
+    Item item = agenda_.pop();
     if (!(item.span.low < until)) continue;
+    item.span.high = std::min(item.span.high, until);
     if (exhausted()) {
       until = std::min(until, leaf.unresolved(item.span.low));
       continue;
     }
     const Todo now = todo(item);
     if (now.kind == Todo::kElements) {
-      const Span span{item.span.low, std::min(item.span.high, until)};
-      until = std::min(until, leaf(slabs_[item.slab], ~now.link_a, ~now.link_b, span));
+      until = std::min(until, leaf(slabs_[item.slab], ~now.link[0], ~now.link[1], item.span));
       continue;
     }
     ++node_tests_;
     if (now.kind == Todo::kHalve) {
       const double middle = slabs_[item.slab].middle;
       const std::int32_t late = slabs_.childOf(item.slab, true), early = slabs_.childOf(item.slab, false);
-      stack_.push_back({item.a, item.b, late, {middle, item.span.high}});
-      stack_.push_back({item.a, item.b, early, {item.span.low, middle}});
+      agenda_.push({{item.node[0], item.node[1]}, late, -1, {middle, item.span.high}});
+      agenda_.push({{item.node[0], item.node[1]}, early, -1, {item.span.low, middle}});
       continue;
     }
     // What would come next is tested at the same time: none waits for another.
@@ -147,11 +156,11 @@ void Search::walk(double from, double to, Leaf&& leaf) {
     tests[0].item = item;
     tests[0].todo = now;
     int count = 1;
-    for (; count < kAtOnce && !stack_.empty() && stack_.back().span.low < until; ++count) {
-      tests[count].todo = todo(stack_.back());
+    for (; count < kAtOnce && !agenda_.empty() && agenda_.top().span.low < until; ++count) {
+      agenda_.top().span.high = std::min(agenda_.top().span.high, until);
+      tests[count].todo = todo(agenda_.top());
       if (tests[count].todo.kind != Todo::kTest) break;
-      tests[count].item = stack_.back();
-      stack_.pop_back();
+      tests[count].item = agenda_.pop();
       ++node_tests_;
     }
     for (int i = 0; i < count; ++i) tests[i].lanes = clip(tests[i].item, tests[i].todo, tests[i].spans);
@@ -203,7 +212,7 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
   from = std::max(from, reach_.low);
   to = std::min(to, reach_.high);
   if (from <= to && (!shells_ || shells_->clear(from, to, stop, node_tests_, *workspace_of_shells_)))
-    walk(from, to, Leaf{*this, stop, window, first});
+    walk(from, to, true, Leaf{*this, stop, window, first});
   near_from_ = exhausted() ? kInfinity : asked_from;
   if (first.found) stopped_at_ = first.time;
   near_to_ = first.found ? std::min(first.time + window, asked_to) : asked_to;
@@ -232,11 +241,12 @@ const Parting* Search::partingAt(double time, ElementPair pair) const {
   return nullptr;
 }
 
-NearPairs Search::nearPairs(double from, double to, std::size_t limit) {
+NearPairs Search::nearPairs(double from, double to, std::size_t limit, ElementPair known) {
   struct Leaf {
     Search& search;
     NearPairs& pairs;
     std::size_t limit;
+    ElementPair known;
     double unresolved(double) { return -kInfinity; }
     double operator()(const Slab& slab, std::int32_t ea, std::int32_t eb, Span span) {
       Vec3 buffer_a[3], buffer_b[3];
@@ -246,6 +256,7 @@ NearPairs Search::nearPairs(double from, double to, std::size_t limit) {
       return advance(ea, eb, span);
     }
     double advance(std::int32_t ea, std::int32_t eb, Span span) {
+      if (ea == known.a && eb == known.b) return kInfinity;
       Vec3 buffer_a[3], buffer_b[3];
       const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
       const auto same = [&](const ElementPair& p) { return p.a == ea && p.b == eb; };
@@ -256,14 +267,14 @@ NearPairs Search::nearPairs(double from, double to, std::size_t limit) {
     }
   };
   NearPairs pairs;
-  Leaf leaf{*this, pairs, limit};
+  Leaf leaf{*this, pairs, limit, known};
   if (from >= near_from_ && to <= near_to_) {  // all of them were seen a moment ago
     for (const Near& near : near_) {
       ++node_tests_;
       if (leaf.advance(near.pair.a, near.pair.b, {from, to}) < 0.0) break;
     }
   } else {
-    walk(from, to, leaf);
+    walk(from, to, false, leaf);
   }
   return pairs;
 }
@@ -335,7 +346,7 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
   constexpr std::size_t kCandidates = 64;
   found_.clear();
   Leaf leaf{*this, piece_.at(t), horizon > 0.0 ? kCandidates : 1, found_, false};
-  walk(t, t, leaf);
+  walk(t, t, false, leaf);
   if (!found_.empty()) {
     if (horizon > 0.0 && longestLasting(t, horizon, witness)) return Proved::kContact;
     *witness = found_[0];

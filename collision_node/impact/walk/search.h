@@ -1,4 +1,5 @@
-/// Where in time can two bodies touch? A depth-first walk over both hierarchies with time clipping.
+/// Where in time can two bodies touch? A walk over both hierarchies, nearest in time first, with time
+/// clipping.
 ///
 /// Guarantee: a time that firstPossible() passes over, and an instant that classify() calls apart, is proved
 /// free of contact between surfaces (closed meshes may hold each other: inside.h). Everything else is
@@ -13,6 +14,7 @@
 #include "collision_node/impact/convex/pair_steps.h"
 #include "collision_node/impact/proof/contact_proof.h"
 #include "collision_node/impact/straight/straight_path.h"
+#include "collision_node/impact/walk/agenda.h"
 #include "collision_node/impact/walk/node_test.h"
 #include "collision_node/impact/walk/revolution_shell.h"
 #include "collision_node/impact/workspace.h"
@@ -65,8 +67,8 @@ class Search {
   /// The same for the surfaces of one pair of elements, which need no walk.
   Proved classifyPair(double t, ElementPair pair, ContactWitness* witness);
 
-  /// Pairs of elements not proved apart throughout [from, to], at most `limit` (<= 64).
-  NearPairs nearPairs(double from, double to, std::size_t limit);
+  /// Pairs of elements not proved apart throughout [from, to], at most `limit` (<= 64), without `known`.
+  NearPairs nearPairs(double from, double to, std::size_t limit, ElementPair known = {});
 
   /// The part of the piece's time outside of which no point of one body can come within reach of the other.
   const Span& withinReach() const { return reach_; }
@@ -78,17 +80,13 @@ class Search {
   const PairPiece& piece() const { return piece_; }
 
  private:
-  /// A pair of nodes and the part of its slab in which they can touch.
-  struct Item {
-    std::int32_t a, b, slab;
-    Span span;
-  };
+  using Item = Agenda::Item;
 
   /// What is to be done with an item.
   struct Todo {
     enum Kind { kElements, kHalve, kTest } kind;
-    bool of_a;                    ///< kTest: A's children with B's node; else the other way round
-    std::int32_t link_a, link_b;  ///< BvhNode::link
+    int parent;            ///< kTest: whose children are tested with the other's node, 0 for A's
+    std::int32_t link[2];  ///< BvhNode::link
   };
 
   /// A pair that is proved apart before `time`.
@@ -106,10 +104,12 @@ class Search {
   /// Of what classify() found: what lasts longest.
   bool longestLasting(double t, double horizon, ContactWitness* witness);
 
+  /// `by_time`: what begins sooner is looked at first.
   template <typename Leaf>
-  void walk(double from, double to, Leaf&& leaf);
+  void walk(double from, double to, bool by_time, Leaf&& leaf);
 
   const PairPiece& piece_;
+  const geometry::Bvh* const tree_[2];  ///< A's and B's
   const Span reach_;
   const NodeTest test_;
   std::uint64_t budget_, node_tests_ = 0;
@@ -118,7 +118,7 @@ class Search {
   std::optional<StraightPath> straight_;
   PathContact path_contact_;
   TimeSlabs slabs_;
-  std::vector<Item>& stack_;
+  Agenda& agenda_;
   /// Every pair of elements that is not proved apart throughout [near_from_, near_to_] is among these.
   std::vector<Near>& near_;
   std::vector<ContactWitness>& found_;  ///< by classify()
@@ -133,7 +133,7 @@ class Search {
 /// What the walks keep between calls: capacity only.
 struct Workspace::Buffers {
   std::vector<Slab> slabs;
-  std::vector<Search::Item> stack;
+  Agenda agenda;
   std::vector<Search::Near> near;
   std::vector<ContactWitness> found;
   ViewBuffers views;
