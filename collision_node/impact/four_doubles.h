@@ -9,16 +9,13 @@
 #include <cstring>
 #include <limits>
 
+#include "collision_node/geometry/any_width.h"
+
 #if defined(__x86_64__)
 #include <emmintrin.h>
 #endif
 
-/// A function that works on them, and what it calls.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define COLLISION_NODE_ANY_WIDTH __attribute__((target_clones("avx2", "default")))
-#else
-#define COLLISION_NODE_ANY_WIDTH
-#endif
+/// Of what a function of any width calls.
 #define COLLISION_NODE_INLINE inline __attribute__((always_inline))
 
 namespace collision_node::impact {

@@ -1,6 +1,7 @@
 #include "collision_node/impact/pair_piece.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace collision_node::impact {
 namespace {
@@ -44,7 +45,37 @@ PairPiece::PairPiece(const Body& body_a, const Body& body_b, const RelativeMotio
 }
 
 Instant PairPiece::at(double t) const {
-  return {t, motion.rotationA(t), motion.rotationB(t), motion.displacement(t), motion.velocity(t)};
+  const RelativeMotion::HalfTurn turn_a = motion.halfTurnA(t), turn_b = motion.halfTurnB(t);
+  return {t,
+          motion.rotationA(turn_a),
+          motion.rotationB(turn_b),
+          motion.displacement(t),
+          motion.velocity(t),
+          turn_a,
+          turn_b};
+}
+
+/// A turn by an angle x is 1 + x K to x^2/2: what is left of it here is a sixteenth of a rounding.
+bool PairPiece::isNear(double t, const Instant& computed) const {
+  constexpr double kSmall = 0x1p-28;  // [rad]
+  return std::abs(t - computed.t) * std::max(motion.spinA(), motion.spinB()) <= kSmall;
+}
+
+Instant PairPiece::at(double t, const Instant& computed) const {
+  const double step = t - computed.t;
+  Instant now{t,
+              computed.ra,
+              computed.rb,
+              motion.displacement(t),
+              motion.velocity(t),
+              computed.turn_a,
+              computed.turn_b};
+  const auto turn = [](Mat3& rotation, const Vec3& by) {
+    for (int i = 0; i < 3; ++i) rotation.col(i) += by.cross(rotation.col(i));
+  };
+  turn(now.ra, step * motion.omegaA());
+  turn(now.rb, step * motion.omegaB());
+  return now;
 }
 
 }  // namespace collision_node::impact

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
 #include "collision_node/geometry/body.h"
 #include "collision_node/impact/pair_method.h"
@@ -28,11 +29,30 @@ struct Widths {
   double floor, wanted;  ///< [s]
 };
 
+/// An element of a body, looked at where the body keeps it if it is no triangle.
+class ElementView {
+ public:
+  ElementView(const Body& body, std::int32_t id) {
+    if (id >= body.triangleCount())
+      element_ = &body.primitive(id);
+    else
+      element_ = &triangle_.emplace(body.element(id, corners_));
+  }
+  ElementView(const ElementView&) = delete;
+  const Element& operator*() const { return *element_; }
+
+ private:
+  Vec3 corners_[3];
+  std::optional<Element> triangle_;
+  const Element* element_;
+};
+
 /// Both poses at one instant, in world axes relative to A's origin.
 struct Instant {
   double t = 0.0;
   Mat3 ra, rb;
   Vec3 d, d_rate;  ///< B's origin and its velocity
+  RelativeMotion::HalfTurn turn_a, turn_b;
 };
 
 /// Read-only while a piece is solved. The budget (docs/solver.md derives it):
@@ -45,6 +65,9 @@ struct PairPiece {
   PairPiece(const Body& a, const Body& b, const RelativeMotion& motion, double contact_distance, double tube);
 
   Instant at(double t) const;
+  /// Is a time so near to a computed instant that the turn since then needs no sines? Then the same from it.
+  bool isNear(double t, const Instant& computed) const;
+  Instant at(double t, const Instant& computed) const;
 
   const Body& a;
   const Body& b;

@@ -25,7 +25,7 @@ bool PieceRun::closeStraight(const PathContact& met, std::optional<ContactWitnes
     events_.push_back(event);
   } else if (path.radius() == 0.0) {
     witness.emplace();  // held by the solid
-    witness->point = event.position - pair_.motion.poseA(event.toi_lower).position;
+    witness->point = event.position - pair_.motion.originOfA(event.toi_lower);
   } else if (whole) {
     ContactWitness found;
     found.element_a = opened_.a;

@@ -94,8 +94,9 @@ void PieceRun::start() {
 }
 
 void PieceRun::beginOverlap(double t, const ContactWitness& witness) {
-  PairEvent event = writer_.stamped(Kind::kInitialOverlap, t);
-  writer_.fill(event, describeOverlap(pair_, pair_.at(t), witness), t, t);
+  const Instant now = search_.at(t);
+  PairEvent event = writer_.stamped(Kind::kInitialOverlap, now);
+  writer_.fill(event, describeOverlap(pair_, now, witness), t, t);
   event.certificate = Certificate::kConfirmed;
   event.reason = Reason::kNone;
   events_.push_back(event);
@@ -107,7 +108,7 @@ void PieceRun::open(Kind kind, double t, ElementPair pair) {
   state_.phase = Phase::kUndecided;
   state_.was_touching = kind == Kind::kSeparation;
   state_.published = false;
-  state_.pending = writer_.stamped(kind, t);
+  state_.pending = writer_.stamped(kind, search_.at(t));
   state_.pending_speed = pair_.any_speed;
   state_.pending_spin = pair_.motion.spinA() + pair_.motion.spinB();
   opened_ = pair;
@@ -196,7 +197,7 @@ bool PieceRun::waitForMore() {
 
 void PieceRun::confirm(double from, double at, const ContactWitness& found,
                        std::optional<ContactWitness>& witness) {
-  witness = found;
+  if (options_.scope == Scope::kWholePiece) witness = found;
   if (state_.was_touching) {  // it never parted, as far as anybody can prove
     state_.phase = Phase::kTouching;
     return;

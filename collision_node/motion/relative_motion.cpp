@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision_node/geometry/any_width.h"
+
 namespace collision_node::motion {
 namespace {
 
@@ -11,6 +13,7 @@ constexpr double kUp = 1.0 + 64.0 * kUnit;        // makes a computed norm or su
 
 }  // namespace
 
+COLLISION_NODE_ANY_WIDTH
 void RelativeMotion::Spin::set(const RigidMotion& m, double offset_s, double duration) {
   r0 = m.q0.normalized().toRotationMatrix();
   omega = m.omega;
@@ -30,12 +33,17 @@ void RelativeMotion::Spin::set(const RigidMotion& m, double offset_s, double dur
   error = kUnit * (64.0 + 16.0 * spin * (std::abs(offset) + duration)) + m.turn_error;
 }
 
-Mat3 RelativeMotion::Spin::at(double t) const {
-  if (rate == 0.0) return r0;
-  // Rodrigues: r + sin(x) (k x r) + (1 - cos(x)) k x (k x r), both factors from the half angle.
+RelativeMotion::HalfTurn RelativeMotion::Spin::halfTurn(double t) const {
+  if (rate == 0.0) return {0.0, 1.0};
   const double half = 0.5 * (rate * (offset + t));
-  const double sine = std::sin(half), cosine = std::cos(half);
-  return r0 + (2.0 * sine * cosine) * across + (2.0 * sine * sine) * inward;
+  return {std::sin(half), std::cos(half)};
+}
+
+/// Rodrigues: r + sin(x) (k x r) + (1 - cos(x)) k x (k x r), both factors from the half angle.
+COLLISION_NODE_ANY_WIDTH
+Mat3 RelativeMotion::Spin::at(const HalfTurn& turn) const {
+  if (rate == 0.0) return r0;
+  return r0 + (2.0 * turn.sine * turn.cosine) * across + (2.0 * turn.sine * turn.sine) * inward;
 }
 
 void RelativeMotion::Spin::still() {
@@ -69,7 +77,7 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
   d_[1] = line.rate;
   d_[2] = Vec3::Zero();
   d_[3] = Vec3::Zero();
-  const double oa = offset_a_, ob = offset_b_, reach = line.reach;
+  const double oa = offset_a_, ob = offset_b_, reach = line.reach, line_rate = line.rate.norm();
   const double speed_a = a.c[1].norm(), speed_b = b.c[1].norm();
   const bool straight_a = a.c[2].isZero(0.0) && a.c[3].isZero(0.0),
              straight_b = b.c[2].isZero(0.0) && b.c[3].isZero(0.0);
@@ -82,7 +90,7 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
     d_[1] += (2.0 * b.c[2] + 3.0 * b.c[3] * ob) * ob - (2.0 * a.c[2] + 3.0 * a.c[3] * oa) * oa;
     d_[2] = (b.c[2] + 3.0 * b.c[3] * ob) - (a.c[2] + 3.0 * a.c[3] * oa);
     d_[3] = b.c[3] - a.c[3];
-    magnitude += (d_[1].norm() - line.rate.norm()) * reach;
+    magnitude += (d_[1].norm() - line_rate) * reach;
     double power = reach;
     for (int k = 2; k < 4; ++k) {
       power *= reach;
@@ -103,8 +111,11 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
   own_speed_a_ = ownSpeed(a, straight_a, speed_a, offset_a_);
   own_speed_b_ = ownSpeed(b, straight_b, speed_b, offset_b_);
   world_scale_a_ = a.c[0].norm() + own_speed_a_ * (std::abs(offset_a_) + duration_);
-  max_acceleration_ = std::max(acceleration(0.0).norm(), acceleration(duration_).norm()) * kUp;
-  max_speed_ = (velocity(0.5 * duration_).norm() + 0.5 * duration_ * max_acceleration_) * kUp;
+  max_speed_ = line_rate * kUp;
+  if (!straight_a || !straight_b) {
+    max_acceleration_ = std::max(acceleration(0.0).norm(), acceleration(duration_).norm()) * kUp;
+    max_speed_ = (velocity(0.5 * duration_).norm() + 0.5 * duration_ * max_acceleration_) * kUp;
+  }
   max_distance_ = std::min(displacement(0.0).norm(), displacement(duration_).norm()) + max_speed_ * duration_;
   max_distance_ *= kUp;
 }

@@ -60,8 +60,16 @@ class RelativeMotion {
   Vec3 velocity(double t) const { return d_[1] + t * (2.0 * d_[2] + 3.0 * t * d_[3]); }
   Vec3 acceleration(double t) const { return 2.0 * d_[2] + 6.0 * t * d_[3]; }
   double jerk() const { return 6.0 * d_[3].norm(); }
-  Mat3 rotationA(double t) const { return a_.at(t); }
-  Mat3 rotationB(double t) const { return b_.at(t); }
+  /// Sine and cosine of half the angle a body has turned by since its segment began.
+  struct HalfTurn {
+    double sine, cosine;
+  };
+  HalfTurn halfTurnA(double t) const { return a_.halfTurn(t); }
+  HalfTurn halfTurnB(double t) const { return b_.halfTurn(t); }
+  Mat3 rotationA(const HalfTurn& turn) const { return a_.at(turn); }
+  Mat3 rotationB(const HalfTurn& turn) const { return b_.at(turn); }
+  Mat3 rotationA(double t) const { return rotationA(halfTurnA(t)); }
+  Mat3 rotationB(double t) const { return rotationB(halfTurnB(t)); }
   const Vec3& omegaA() const { return a_.omega; }
   const Vec3& omegaB() const { return b_.omega; }
   double spinA() const { return a_.spin; }
@@ -82,8 +90,12 @@ class RelativeMotion {
   double worldScaleA() const { return world_scale_a_; }
 
   /// For reports only: poses in the world.
-  Pose poseA(double t) const { return motion_a_.at(offset_a_ + t); }
-  Pose poseB(double t) const { return motion_b_.at(offset_b_ + t); }
+  Pose poseA(double t, const HalfTurn& turn) const {
+    return motion_a_.at(offset_a_ + t, turn.sine, turn.cosine);
+  }
+  Pose poseB(double t, const HalfTurn& turn) const {
+    return motion_b_.at(offset_b_ + t, turn.sine, turn.cosine);
+  }
   Vec3 originOfA(double t) const { return motion_a_.positionAt(offset_a_ + t); }
 
  private:
@@ -98,7 +110,8 @@ class RelativeMotion {
 
     void set(const RigidMotion& m, double offset, double duration);
     void still();
-    Mat3 at(double t) const;
+    HalfTurn halfTurn(double t) const;
+    Mat3 at(const HalfTurn& turn) const;
   };
 
   RigidMotion motion_a_, motion_b_;

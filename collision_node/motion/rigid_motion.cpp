@@ -51,15 +51,18 @@ RigidMotion straightLine(const StampedPose& from, const StampedPose& to) {
 }  // namespace
 
 Pose RigidMotion::at(double s) const {
+  const double half = 0.5 * omega.stableNorm() * s;
+  return at(s, std::sin(half), std::cos(half));
+}
+
+Pose RigidMotion::at(double s, double sine, double cosine) const {
   Pose pose;
   pose.position = positionAt(s);
   pose.orientation = q0;
-  if (!omega.isZero(0.0)) {
-    const double rate = omega.stableNorm();
-    const double half = 0.5 * rate * s;
+  if (omega != Vec3::Zero()) {
     Quat turn;
-    turn.w() = std::cos(half);
-    turn.vec() = std::sin(half) * (omega / rate);
+    turn.w() = cosine;
+    turn.vec() = sine * (omega / omega.stableNorm());
     pose.orientation = (turn * q0).normalized();
   }
   return pose;

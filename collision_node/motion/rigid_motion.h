@@ -20,6 +20,8 @@ struct RigidMotion {
 
   /// world <- object at `s` seconds after start_ns; plain double evaluation, for reports, not for proofs.
   Pose at(double s) const;
+  /// The same, where sine and cosine of half the angle of the turn are known.
+  Pose at(double s, double sine, double cosine) const;
   Vec3 positionAt(double s) const { return c[0] + s * (c[1] + s * (c[2] + s * c[3])); }
   Vec3 velocity(double s) const { return c[1] + s * (2.0 * c[2] + 3.0 * s * c[3]); }
 };

@@ -122,7 +122,8 @@ TEST(GapModel, StaysBelowTheExactSeparation) {
     const Moving m{pair, at * duration, pair.body_a.element(0, buffer_a), pair.body_b.element(0, buffer_b)};
     const Instant now = pair.solver.at(m.t);
     for (const Axis& axis : axesFor(random, m, now)) {
-      const GapModel model(pair.solver, now, m.a, m.b, axis);
+      const CorePair cores(m.a, m.b);
+      const GapModel model(pair.solver, now, cores, axis);
       ++models;
       const double rest = duration - m.t;
       for (const double end : {0.0, rest * 1e-6, rest * 1e-3, rest * random.decade(-2, 0), rest}) {
@@ -184,8 +185,10 @@ TEST(GapModel, ProvesClearanceOfWhatIsClearlyApart) {
     const Axis axis = axisOf(pair.solver, now, closestPoints(Cores(now, ea, eb), Vec3::Zero()),
                              ea.radius + eb.radius > 0.0);
     ++apart;
-    proved += axis.valid &&
-              apartFor(GapModel(pair.solver, now, ea, eb, axis), pair.solver.motion.duration()).time > 0.0;
+    proved +=
+        axis.valid &&
+        apartFor(GapModel(pair.solver, now, CorePair(ea, eb), axis), pair.solver.motion.duration()).time >
+            0.0;
   }
   std::printf("%d of %d pairs that are apart proved so\n", proved, apart);
   EXPECT_GT(apart, 1500);
@@ -210,7 +213,8 @@ TEST(GapModel, ApartForFindsMostOfTheTime) {
     const moving::Pair pair(a, b, piece);
     Vec3 buffer[3];
     const Element ea = pair.body_a.element(0, buffer), eb = pair.body_b.element(0, buffer);
-    const GapModel model(pair.solver, pair.solver.at(0.0), ea, eb, {Vec3::UnitZ(), Vec3::Zero(), true});
+    const CorePair cores(ea, eb);
+    const GapModel model(pair.solver, pair.solver.at(0.0), cores, {Vec3::UnitZ(), Vec3::Zero(), true});
     const double span = pair.solver.motion.duration();
     const double s = apartFor(model, span).time;
     if (!(model.first() > 1e4 * pair.solver.point_error)) continue;
@@ -233,7 +237,8 @@ TEST(GapModel, APureTranslationIsProvedInOneStep) {
                           piece);
   Vec3 buffer[3];
   const Element a = pair.body_a.element(0, buffer), b = pair.body_b.element(0, buffer);
-  const GapModel model(pair.solver, pair.solver.at(0.0), a, b, {Vec3::UnitY(), Vec3::Zero(), true});
+  const CorePair cores(a, b);
+  const GapModel model(pair.solver, pair.solver.at(0.0), cores, {Vec3::UnitY(), Vec3::Zero(), true});
   EXPECT_EQ(apartFor(model, pair.solver.motion.duration()).time, pair.solver.motion.duration());
   EXPECT_NEAR(model.first(), 0.005, 1e-9);
 }

@@ -82,7 +82,7 @@ TEST(GapRemainder, RoundingNeedsNothingBeyondTheBudgetHoweverFarABodyTurns) {
     const Element ea = a.element(0, buffer_a), eb = b.element(0, buffer_b);
     const Instant now = pair.at(t);
     const Axis axis = axisOfLittleRemainder(random, turner.omega, end);
-    const GapModel::Bounds bounds = GapModel(pair, now, ea, eb, axis).until(end);
+    const GapModel::Bounds bounds = GapModel(pair, now, CorePair(ea, eb), axis).until(end);
     for (const double x : {0.0, 0.3, 0.7, 1.0}) {
       const double y = 1.0 - x,
                    bound = y * y * bounds.first + 2.0 * x * y * bounds.middle + x * x * bounds.last;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/geometry/any_width.h"
+#include "collision_node/geometry/two_vectors.h"
 #include "collision_node/impact/convex/sliding_features.h"
 
 namespace collision_node::impact {
@@ -19,35 +21,39 @@ ClampingCore::ClampingCore(const Element& e)
       half(round ? Vec3(e.rim_radius, e.rim_radius, e.half_length) : frame.half) {}
 
 ClampingCore::Seen ClampingCore::see(const Vec3& x, const Vec3& edge) const {
-  Seen seen{Vec3::Zero(), 0.0};
-  for (int k = round ? 2 : 0; k < 3; ++k) {
-    const double beyond = std::abs(x[k]) - half[k];
-    if (!(beyond > 0.0)) continue;
-    seen.offset[k] = std::copysign(beyond, x[k]);
-    seen.bend += edge[k] * edge[k];
+  // By masks, as nobody could foretell branches.
+  using geometry::Two;
+  using geometry::TwoBits;
+  const auto where = [](TwoBits on, Two v) { return (Two)((TwoBits)v & on); };
+  const auto beyond = [&](Two from, Two most) { return geometry::magnitude(from) - most; };
+  const Two along{x[2], 0.0}, edge_z{edge[2], 0.0}, over_z = beyond(along, Two{half[2], 0.0});
+  const TwoBits on_z = over_z > 0.0;
+  const Two across{x[0], x[1]}, edge_xy{edge[0], edge[1]};
+  Two offset, bend = where(on_z, edge_z * edge_z);
+  if (!round) {
+    const Two over = beyond(across, Two{half[0], half[1]});
+    const TwoBits on = over > 0.0;
+    offset = geometry::withSignOf(where(on, over), across);
+    bend += where(on, edge_xy * edge_xy);
+  } else {
+    const Two square = across * across, radial = edge_xy * across, edge2 = edge_xy * edge_xy;
+    const double distance2 = square[0] + square[1], turn = radial[0] + radial[1];
+    const double inner = distance2 > half[0] * half[0] ? half[0] / std::sqrt(distance2) : 1.0;
+    offset = (1.0 - inner) * across;
+    bend += (1.0 - inner) * edge2;
+    bend[0] += inner < 1.0 ? inner * turn * turn / distance2 : 0.0;
   }
-  if (!round) return seen;
-  const double distance2 = x[0] * x[0] + x[1] * x[1];
-  if (!(distance2 > half[0] * half[0])) return seen;
-  const double around = 1.0 - half[0] / std::sqrt(distance2);
-  const double radial = edge[0] * x[0] + edge[1] * x[1];
-  seen.offset[0] = around * x[0];
-  seen.offset[1] = around * x[1];
-  seen.bend +=
-      around * (edge[0] * edge[0] + edge[1] * edge[1]) + (1.0 - around) * radial * radial / distance2;
-  return seen;
+  const Two offset_z = geometry::withSignOf(where(on_z, over_z), along);
+  return {{offset[0], offset[1], offset_z[0]}, bend[0] + bend[1]};
 }
 
-Mat3 ClampingCore::stretch(const Vec3& x) const {
-  Mat3 m = Mat3::Zero();
-  for (int k = round ? 2 : 0; k < 3; ++k) m(k, k) = std::abs(x[k]) > half[k] ? 1.0 : 0.0;
+ClampingCore::Stretch ClampingCore::stretch(const Vec3& x) const {
+  const auto on = [&](int k) { return std::abs(x[k]) > half[k] ? 1.0 : 0.0; };
+  if (!round) return {{on(0), on(1), on(2)}, 0.0, 0.0, 0.0};
   const double distance2 = x[0] * x[0] + x[1] * x[1];
-  if (!round || !(distance2 > half[0] * half[0])) return m;
-  const double around = 1.0 - half[0] / std::sqrt(distance2), radial = (1.0 - around) / distance2;
-  m(0, 0) = around + radial * x[0] * x[0];
-  m(1, 1) = around + radial * x[1] * x[1];
-  m(0, 1) = m(1, 0) = radial * x[0] * x[1];
-  return m;
+  if (!(distance2 > half[0] * half[0])) return {{0.0, 0.0, on(2)}, 0.0, 0.0, 0.0};
+  const double around = 1.0 - half[0] / std::sqrt(distance2);
+  return {{around, around, on(2)}, x[0], x[1], (1.0 - around) / distance2};
 }
 
 /// Newton's method on half the derivative of the squared distance, which grows along the edge; halving where
@@ -59,7 +65,8 @@ double ClampingCore::nearestShare(const Vec3& x, const Vec3& edge, double guess)
   for (int i = 0; i < kMost; ++i) {
     const Seen seen = see(x + share * edge, edge);
     const double slope = seen.offset.dot(edge);
-    (slope > 0.0 ? high : low) = share;
+    high = slope > 0.0 ? share : high;
+    low = slope > 0.0 ? low : share;
     if (slope == 0.0 || high <= 0.0 || low >= 1.0) return share;
     const double step = seen.bend > 0.0 ? -slope / seen.bend : 0.0;
     double next = std::clamp(share + step, 0.0, 1.0);
@@ -80,18 +87,20 @@ SlidingPoints::SlidingPoints(const Element& a, const Element& b, bool curve_is_a
 SlidingPoints::SlidingPoints(const Element& a, const Element& b)
     : SlidingPoints(a, b, isSegment(a) && !(isSegment(b) && b.count < a.count)) {}
 
-void SlidingPoints::find(const Cores& cores) {
+COLLISION_NODE_ANY_WIDTH COLLISION_NODE_WITH_CALLS void SlidingPoints::find(const Cores& cores) {
   const PosedCore &segment = curve_is_a_ ? cores.a : cores.b, &solid = curve_is_a_ ? cores.b : cores.a;
   frame_ = solid_.frame.aligned ? *solid.rotation : Mat3(*solid.rotation * solid_.frame.axes);
   const Vec3* const ends = segment.element->vertices;
-  x_ = frame_.transpose() * (segment.place(ends[0]) - solid.place(solid_.frame.centre));
-  edge_.setZero();
+  place_ = segment.place(ends[0]);
+  x_ = frame_.transpose() * (place_ - solid.place(solid_.frame.centre));
   if (segment.element->count == 2) {
-    edge_ = frame_.transpose() * (*segment.rotation * (ends[1] - ends[0]));
+    edge_w_ = *segment.rotation * (ends[1] - ends[0]);
+    edge_ = frame_.transpose() * edge_w_;
     const double length2 = edge_.squaredNorm();
     if (share_ == 0.0 && length2 > 0.0) share_ = -x_.dot(edge_) / length2;
     share_ = solid_.nearestShare(x_, edge_, share_);
     x_ += share_ * edge_;
+    place_ += share_ * edge_w_;
   }
   offset_ = solid_.see(x_, edge_).offset;
   distance_ = offset_.norm();
@@ -99,7 +108,8 @@ void SlidingPoints::find(const Cores& cores) {
 }
 
 /// Newton's method on the derivative of half the squared distance round the rim.
-bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
+COLLISION_NODE_ANY_WIDTH COLLISION_NODE_WITH_CALLS bool SlidingPoints::findOnRim(const Cores& cores,
+                                                                                 const Vec3& direction) {
   const PosedCore &rim = curve_is_a_ ? cores.a : cores.b, &solid = curve_is_a_ ? cores.b : cores.a;
   const Element& e = *rim.element;
   const Mat3 own = *rim.rotation * e.frame->axes;
@@ -110,8 +120,8 @@ bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
   if (!(length > kSharp * std::abs(out.z()) && std::abs(out.z()) > kSharp * length)) return false;
   frame_ = solid_.frame.aligned ? *solid.rotation : Mat3(*solid.rotation * solid_.frame.axes);
   const double end = std::copysign(e.half_length, out.z());
-  const Vec3 centre = frame_.transpose() *
-                      (rim.place(e.centre + end * e.frame->axes.col(2)) - solid.place(solid_.frame.centre));
+  const Vec3 middle = rim.place(e.centre + end * e.frame->axes.col(2));
+  const Vec3 centre = frame_.transpose() * (middle - solid.place(solid_.frame.centre));
   const Vec3 first = frame_.transpose() * own.col(0) * e.rim_radius,
              second = frame_.transpose() * own.col(1) * e.rim_radius;
   slides_ = true;
@@ -136,6 +146,8 @@ bool SlidingPoints::findOnRim(const Cores& cores, const Vec3& direction) {
     const double step = -slope / bend;
     if (std::abs(step) < kClose) {
       distance_ = offset_.norm();
+      place_ = middle + frame_ * arm;
+      edge_w_ = frame_ * edge_;
       on_rim_ = e.centre + e.frame->axes * Vec3(e.rim_radius * cosine, e.rim_radius * sine, end);
       return distance_ > 0.0;
     }
@@ -162,6 +174,7 @@ bool SlidingPoints::onFace(double margin) const {
   return beyond == 1 && within > 0.0 && x_[0] * x_[0] + x_[1] * x_[1] < within * within;
 }
 
+COLLISION_NODE_ANY_WIDTH
 Closest SlidingPoints::closest(const Cores& cores) const {
   const Element &curve = curve_is_a_ ? a_ : b_, &solid = curve_is_a_ ? b_ : a_;
   const PosedCore& placed = curve_is_a_ ? cores.b : cores.a;
@@ -196,29 +209,26 @@ Closest SlidingPoints::closest(const Cores& cores) const {
 
 /// In the solid's own turning axes, with M the derivative of the offset o, e the curve's derivative and x'
 /// the velocity of its closest point, were it fixed on the curve: o' = M (x' + e s'), and s' keeps o . e = 0.
-Axis SlidingPoints::axis(const RelativeMotion& m, const Instant& now) const {
+COLLISION_NODE_ANY_WIDTH COLLISION_NODE_WITH_CALLS Axis SlidingPoints::axis(const RelativeMotion& m,
+                                                                            const Instant& now) const {
   Axis axis;
   if (!(distance_ > 0.0)) return axis;
   const double outward = curve_is_a_ ? -1.0 : 1.0;  // from the solid to the segment, or back
-  const Mat3& turned = curve_is_a_ ? now.rb : now.ra;
   const Vec3 &omega = curve_is_a_ ? m.omegaB() : m.omegaA(),
              &other_omega = curve_is_a_ ? m.omegaA() : m.omegaB();
-  const Vec3 x = frame_ * x_, centre = turned * solid_.frame.centre;
-  // The curve's point from its own object's origin.
-  const Vec3 arm = x + centre - outward * now.d;
-  const Vec3 v = frame_.transpose() *
-                 (outward * now.d_rate + other_omega.cross(arm) - omega.cross(centre) - omega.cross(x));
-  const Mat3 stretch = solid_.stretch(x_);
-  Vec3 n = offset_ / distance_;
+  // The curve's point from both objects' origins.
+  const Vec3 from_b = place_ - now.d, &arm = curve_is_a_ ? place_ : from_b,
+             &other = curve_is_a_ ? from_b : place_;
+  const Vec3 v = frame_.transpose() * (outward * now.d_rate + other_omega.cross(arm) - omega.cross(other));
+  const ClampingCore::Stretch stretch = solid_.stretch(x_);
+  const Vec3 n = acrossCurve();
   Vec3 rate = stretch * v;
   if (slides_) {
     const double length2 = edge_.squaredNorm();
-    // What rounding left along a segment would cost its whole length.
-    n -= edge_ * (edge_.dot(n) / length2);
     const Vec3 stretched = stretch * edge_;
     const double bend = edge_.dot(stretched) + curving_;
     if (bend > 1e-12 * length2) {
-      const Vec3 edge_rate = frame_.transpose() * (other_omega - omega).cross(frame_ * edge_);
+      const Vec3 edge_rate = frame_.transpose() * (other_omega - omega).cross(edge_w_);
       rate -= stretched * ((offset_.dot(edge_rate) + edge_.dot(rate)) / bend);
     }
   }
@@ -233,9 +243,10 @@ int edgeOf(const Element& e, const Closest& closest, bool of_a, Vec3 (&ends)[2])
   int count = 0;
   for (int i = 0; i < closest.count; ++i) {
     const Vec3& x = of_a ? closest.point[i].local_a : closest.point[i].local_b;
-    if (std::find(ends, ends + count, x) != ends + count) continue;
+    const auto isIt = [&x](const Vec3& v) { return (v - x).cwiseAbs().sum() == 0.0; };
+    if (std::any_of(ends, ends + count, isIt)) continue;
     // Points found on a rim are opposite to any point.
-    if (count == 2 || std::find(e.vertices, e.vertices + e.count, x) == e.vertices + e.count) return 0;
+    if (count == 2 || std::none_of(e.vertices, e.vertices + e.count, isIt)) return 0;
     ends[count++] = x;
   }
   return count;

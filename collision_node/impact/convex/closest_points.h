@@ -32,7 +32,16 @@ struct ClampingCore {
   };
   Seen see(const Vec3& x, const Vec3& edge) const;
   /// The derivative of the offset at x: symmetric, between 0 and 1.
-  Mat3 stretch(const Vec3& x) const;
+  struct Stretch {
+    Vec3 own;               ///< along the axes
+    double x, y, radially;  ///< and of a cylinder radially (x, y) (x, y)^T
+
+    Vec3 operator*(const Vec3& v) const {
+      const double along = radially * (x * v.x() + y * v.y());
+      return {own.x() * v.x() + along * x, own.y() * v.y() + along * y, own.z() * v.z()};
+    }
+  };
+  Stretch stretch(const Vec3& x) const;
   /// The share of the edge from `x` on up to the point of it that is nearest.
   double nearestShare(const Vec3& x, const Vec3& edge, double guess) const;
 };
@@ -73,24 +82,32 @@ class SlidingPoints {
   /// Is it inside a flat face of a box or a cylinder, and stays there whatever moves by `margin` [m]?
   bool onFace(double margin) const;
   Closest closest(const Cores& cores) const;
+  /// From A to B along them, unit; they are apart.
+  Vec3 direction() const { return (curve_is_a_ ? -1.0 : 1.0) * (frame_ * acrossCurve()); }
   /// The axis through them, with the rate at which they slide over both cores; invalid when the cores
   /// overlap.
   Axis axis(const RelativeMotion& motion, const Instant& now) const;
 
  private:
   SlidingPoints(const Element& a, const Element& b, bool curve_is_a);
+  /// The offset's direction. What rounding left along a segment would cost its whole length.
+  Vec3 acrossCurve() const {
+    const Vec3 n = offset_ / distance_;
+    return slides_ ? Vec3(n - edge_ * (edge_.dot(n) / edge_.squaredNorm())) : n;
+  }
 
   const Element &a_, &b_;
   const bool curve_is_a_;
   ClampingCore solid_;
-  Mat3 frame_ = Mat3::Identity();  ///< world <- the solid's own axes, in which the next three are
-  Vec3 edge_ = Vec3::Zero();       ///< the whole segment, or the rim's tangent for a radian
-  Vec3 x_ = Vec3::Zero();          ///< the curve's closest point, from the solid's centre
-  Vec3 offset_ = Vec3::Zero();     ///< from the other core, the solid, to it
-  double share_ = 0.0;             ///< of the segment up to it
-  bool slides_ = false;            ///< it is no end of the segment
-  double curving_ = 0.0;           ///< offset . the rim's second derivative
-  Vec3 on_rim_ = Vec3::Zero();     ///< it, in its object's frame
+  Vec3 place_, edge_w_;         ///< the curve's closest point and the edge in world axes
+  Mat3 frame_;                  ///< world <- the solid's own axes, in which the next three are
+  Vec3 edge_ = Vec3::Zero();    ///< the whole segment, or the rim's tangent for a radian
+  Vec3 x_ = Vec3::Zero();       ///< the curve's closest point, from the solid's centre
+  Vec3 offset_ = Vec3::Zero();  ///< from the other core, the solid, to it
+  double share_ = 0.0;          ///< of the segment up to it
+  bool slides_ = false;         ///< it is no end of the segment
+  double curving_ = 0.0;        ///< offset . the rim's second derivative
+  Vec3 on_rim_ = Vec3::Zero();  ///< it, in its object's frame
   double distance_ = 0.0;
 };
 

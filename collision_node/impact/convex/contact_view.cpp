@@ -39,57 +39,6 @@ Vec3 sideways(const Vec3& axis, const Vec3& up, double* radial) {
   return (side - side.dot(axis) * axis).normalized();
 }
 
-/// The two points of a cap that are about farthest from each other, and what lies beside the line through
-/// them.
-struct Strip {
-  Vec2 across;           ///< unit
-  double low, high;      ///< of all points along it
-  double length2 = 0.0;  ///< of the line, squared
-};
-
-Strip stripOf(const Polygon& points) {
-  Strip s;
-  const auto farthest = [&](const Vec2& from) {
-    const Vec2* best = &points[0];
-    s.length2 = 0.0;
-    for (const Vec2& p : points) {
-      const double length2 = (p - from).squaredNorm();
-      if (!(length2 > s.length2)) continue;
-      s.length2 = length2;
-      best = &p;
-    }
-    return *best;
-  };
-  const Vec2 end = farthest(points[0]), along = farthest(end) - end;
-  s.across = s.length2 > 0.0 ? Vec2(Vec2(-along.y(), along.x()) / std::sqrt(s.length2)) : Vec2(1.0, 0.0);
-  s.low = kInfinity;
-  s.high = -kInfinity;
-  for (const Vec2& p : points) {
-    const double x = s.across.dot(p);
-    s.low = std::min(s.low, x);
-    s.high = std::max(s.high, x);
-  }
-  return s;
-}
-
-/// A disc that holds what two strips, each grown, have in common; false where they are nearly parallel.
-bool crossing(const Strip& a, double grow_a, const Strip& b, double grow_b, Vec2* centre, double* radius) {
-  constexpr double kLeastSine = 1e-3, kUp = 1.0 + 1e-12;
-  const double sine = a.across.x() * b.across.y() - a.across.y() * b.across.x();
-  const double cosine = a.across.dot(b.across);
-  if (!(std::abs(sine) > kLeastSine)) return false;
-  const double middle_a = 0.5 * (a.low + a.high), middle_b = 0.5 * (b.low + b.high);
-  const double half_a = 0.5 * (a.high - a.low) + grow_a, half_b = 0.5 * (b.high - b.low) + grow_b;
-  *centre = Vec2(middle_a * b.across.y() - middle_b * a.across.y(),
-                 middle_b * a.across.x() - middle_a * b.across.x()) /
-            sine;
-  const double rounding = 64.0 * kUnit * (std::abs(middle_a) + std::abs(middle_b)) / std::abs(sine);
-  *radius = std::sqrt(half_a * half_a + half_b * half_b + 2.0 * half_a * half_b * std::abs(cosine)) /
-                std::abs(sine) * kUp +
-            rounding;
-  return true;
-}
-
 }  // namespace
 
 ContactView::Sight::Sight(const PosedCore& core, const Vec3& up_w, const Vec3& e1, const Vec3& e2)

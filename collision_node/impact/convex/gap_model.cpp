@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "collision_node/geometry/any_width.h"
 #include "collision_node/impact/convex/closest_points.h"
 
 namespace collision_node::impact {
@@ -13,105 +14,34 @@ constexpr double kUp = 1.0 + 64.0 * kUnit;
 
 }  // namespace
 
-/// A core that has axes of its own is placed as exactly as its corners are: within the placing error.
-MovingSupport::MovingSupport(const Element& e, const Vec3& u0, const Vec3& u1, const Vec3& u2) {
-  if (e.frame == nullptr) {
-    hull_ = &e;
-    u0_ = u0;
-    u1_ = u1;
-    u2_ = u2;
-    return;
-  }
-  const geometry::CoreFrame& frame = *e.frame;
-  centre_[0] = u0.dot(frame.centre);
-  centre_[1] = u1.dot(frame.centre);
-  centre_[2] = u2.dot(frame.centre);
-  kind_ = e.vertices == nullptr ? kCylinder : e.count == 1 ? kPoint : e.count == 2 ? kSegment : kBox;
-  if (kind_ == kPoint) return;
-  half_ = kind_ == kCylinder ? Vec3(e.rim_radius, 0.0, e.half_length) : frame.half;
-  const bool turned = !frame.aligned;
-  u0_ = turned ? Vec3(frame.axes.transpose() * u0) : u0;
-  u1_ = turned ? Vec3(frame.axes.transpose() * u1) : u1;
-  u2_ = turned ? Vec3(frame.axes.transpose() * u2) : u2;
+/// The bodies see the axis turn; what is left of it beyond the second order is at most s^3 (cubic + s
+/// quartic) for the cores' points together.
+GapModel::GapModel(const PairPiece& piece, const Instant& now, const CorePair& cores, const Axis& axis)
+    : cores_(cores), direction_(axis.direction), rate_(axis.rate) {
+  see(piece, now);
 }
 
-double MovingSupport::at(const Vec3& u) const {
-  if (hull_ != nullptr) {
-    double value = u.dot(hull_->vertices[0]);
-    for (int i = 1; i < hull_->count; ++i) value = std::max(value, u.dot(hull_->vertices[i]));
-    return value;
-  }
-  switch (kind_) {
-    case kPoint:
-      return 0.0;
-    case kSegment:
-      return half_[2] * std::abs(u[2]);
-    case kBox:
-      return half_[0] * std::abs(u[0]) + half_[1] * std::abs(u[1]) + half_[2] * std::abs(u[2]);
-    default:
-      return half_[0] * std::sqrt(u[0] * u[0] + u[1] * u[1]) + half_[2] * std::abs(u[2]);
-  }
-}
-
-MovingSupport::Trend MovingSupport::trend() const {
-  if (hull_ != nullptr) {
-    const Vec3& x =
-        *std::max_element(hull_->vertices, hull_->vertices + hull_->count,
-                          [this](const Vec3& p, const Vec3& q) { return u0_.dot(p) < u0_.dot(q); });
-    return {u1_.dot(x), u2_.dot(x)};
-  }
-  if (kind_ == kPoint) return {0.0, 0.0};
-  const double end = std::copysign(half_[2], u0_[2]);
-  Trend t{end * u1_[2], end * u2_[2]};
-  if (kind_ == kBox) {
-    const double x = std::copysign(half_[0], u0_[0]), y = std::copysign(half_[1], u0_[1]);
-    t.rate += x * u1_[0] + y * u1_[1];
-    t.bend += x * u2_[0] + y * u2_[1];
-  } else if (kind_ == kCylinder) {
-    const double across2 = u0_[0] * u0_[0] + u0_[1] * u0_[1];
-    if (!(across2 > 0.0)) return t;
-    const double turn = u0_[0] * u1_[1] - u0_[1] * u1_[0], per = half_[0] / std::sqrt(across2);
-    t.rate += per * (u0_[0] * u1_[0] + u0_[1] * u1_[1]);
-    t.bend += per * (u0_[0] * u2_[0] + u0_[1] * u2_[1] + 0.5 * turn * turn / across2);
-  }
-  return t;
-}
-
-GapModel::SeenAxis::SeenAxis(const Axis& axis, const Mat3& rotation, const Vec3& omega, double spin,
-                             double reach)
-    : first(Vec3::Zero()), second(first), third(first), cubic(0.0), quartic(0.0) {
-  if (reach == 0.0) return;  // the origin
-  const Vec3 turning = omega.cross(axis.direction);
-  first = rotation.transpose() * axis.direction;
-  second = rotation.transpose() * (axis.rate - turning);
-  third = rotation.transpose() * omega.cross(0.5 * turning - axis.rate);
-  const double share = spin * spin * reach * (kUp / 6.0);
-  cubic = share * (3.0 * axis.rate - turning).norm();
-  quartic = share * spin;
-}
-
-GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
-                   const Axis& axis, const CoreReaches& reaches)
-    : GapModel(piece, now, a, b, axis,
-               SeenAxis(axis, now.ra, piece.motion.omegaA(), piece.motion.spinA(), reaches.a),
-               SeenAxis(axis, now.rb, piece.motion.omegaB(), piece.motion.spinB(), reaches.b)) {}
-
-GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
-                   const Axis& axis, const SeenAxis& from_a, const SeenAxis& from_b)
-    : direction_(axis.direction),
-      rate_(axis.rate),
-      a_(a, from_a.first, from_a.second, from_a.third),
-      // The minimum over B, written as a maximum.
-      b_(b, -from_b.first, -from_b.second, -from_b.third) {
+COLLISION_NODE_ANY_WIDTH
+void GapModel::see(const PairPiece& piece, const Instant& now) {
+  const CorePair& cores = cores_;
   const RelativeMotion& m = piece.motion;
+  const TwoMat3 rotation(now.ra, now.rb);
+  const TwoVec3 direction(direction_), rate(rate_), omega(m.omegaA(), m.omegaB());
+  const TwoVec3 turning = cross(omega, direction);
+  seen_[0] = rotation.backwards(direction);
+  seen_[1] = rotation.backwards(rate - turning);
+  seen_[2] = rotation.backwards(cross(omega, 0.5 * turning - rate));
   length_ = direction_.norm() * kUp;
   rate_length_ = rate_.norm() * kUp;
-  grown_ = a.radius + b.radius + piece.contact_distance;
-  level_[0] = direction_.dot(now.d) - a_.centre_[0] - b_.centre_[0];
-  level_[1] = rate_.dot(now.d) + direction_.dot(now.d_rate) - a_.centre_[1] - b_.centre_[1];
-  level_[2] = rate_.dot(now.d_rate) - a_.centre_[2] - b_.centre_[2];
-  cubic_ = from_a.cubic + from_b.cubic;
-  quartic_ = (from_a.quartic + from_b.quartic) * rate_length_;
+  grown_ = cores.radius() + piece.contact_distance;
+  level_[0] = direction_.dot(now.d) - cores.centresAlong(seen_[0]);
+  level_[1] = rate_.dot(now.d) + direction_.dot(now.d_rate) - cores.centresAlong(seen_[1]);
+  level_[2] = rate_.dot(now.d_rate) - cores.centresAlong(seen_[2]);
+  for (TwoVec3& u : seen_) u = cores.own(u);
+  const Two spin{m.spinA(), m.spinB()}, share = spin * spin * cores.reach() * (kUp / 6.0);
+  const Two third = share * norm(3.0 * rate - turning), fourth = share * spin;
+  cubic_ = third[0] + third[1];
+  quartic_ = (fourth[0] + fourth[1]) * rate_length_;
   if (m.maxAcceleration() > 0.0) {
     const Vec3 acceleration = m.acceleration(now.t);
     level_[2] += 0.5 * direction_.dot(acceleration);
@@ -120,34 +50,31 @@ GapModel::GapModel(const PairPiece& piece, const Instant& now, const Element& a,
   }
   point_error_ = piece.point_error;
   rate_error_ = piece.rate_error;
-  first_ = level_[0] - a_.first() - b_.first() - length_ * (grown_ + point_error_);
+  first_ = level_[0] - cores.reachAlong(seen_[0]) - length_ * (grown_ + point_error_);
 }
 
+/// At the control points of the seen axis over [0, end].
 GapModel::Bounds GapModel::until(double end) const {
-  const double reach = length_ + end * rate_length_;
-  const double half = reach * point_error_ + 0.5 * end * reach * rate_error_;
-  double grown_middle = 0.0, grown_last = 0.0;
-  if (grown_ > 0.0) {
-    grown_middle = grown_ * (direction_ + 0.5 * end * rate_).norm();
-    grown_last = grown_ * (direction_ + end * rate_).norm();
-  }
+  const double half = 0.5 * end, reach = length_ + end * rate_length_;
+  const TwoVec3 middle = seen_[0] + half * seen_[1], last = seen_[0] + end * (seen_[1] + end * seen_[2]);
+  const Two grown = grown_ * norm(TwoVec3(direction_) + Two{half, end} * TwoVec3(rate_));
   Bounds bounds;
   bounds.first = first_;
-  bounds.middle = (level_[0] + 0.5 * end * level_[1]) - a_.middle(end) - b_.middle(end) - grown_middle - half;
-  bounds.last = (level_[0] + end * (level_[1] + end * level_[2])) - a_.last(end) - b_.last(end) - grown_last -
+  bounds.middle = (level_[0] + half * level_[1]) - cores_.reachAlong(middle) - grown[0] -
+                  reach * (point_error_ + half * rate_error_);
+  bounds.last = (level_[0] + end * (level_[1] + end * level_[2])) - cores_.reachAlong(last) - grown[1] -
                 end * end * end * (cubic_ + end * quartic_) - reach * (point_error_ + end * rate_error_);
   return bounds;
 }
 
-GapModel::Trend GapModel::trend() const {
-  const MovingSupport::Trend a = a_.trend(), b = b_.trend();
+GapModel::Trend GapModel::trend(double span) const {
+  const double speed = std::abs(level_[1]);  // about, of approach
+  const CorePair::Trend cores = cores_.trend(seen_, first_ < span * speed ? first_ / speed : span);
   const double along = direction_.dot(rate_) / length_;
   Trend t;
-  t.first = first_;
-  t.slope =
-      level_[1] - a.rate - b.rate - grown_ * along - rate_length_ * point_error_ - length_ * rate_error_;
-  t.bend = level_[2] - a.bend - b.bend -
-           0.5 * grown_ * (rate_length_ * rate_length_ - along * along) / length_ -
+  t.first = level_[0] - cores.value - length_ * (grown_ + point_error_);
+  t.slope = level_[1] - cores.rate - grown_ * along - rate_length_ * point_error_ - length_ * rate_error_;
+  t.bend = level_[2] - cores.bend - 0.5 * grown_ * (rate_length_ * rate_length_ - along * along) / length_ -
            rate_length_ * rate_error_;
   t.cubic = cubic_;
   t.quartic = quartic_;
@@ -368,13 +295,13 @@ Axes featureAxes(const PairPiece& piece, const Instant& now, const Element& a, c
   return axes.all();
 }
 
-Apart apartFor(const GapModel& model, double span) {
+COLLISION_NODE_ANY_WIDTH COLLISION_NODE_WITH_CALLS Apart apartFor(const GapModel& model, double span) {
   if (!(model.first() > 0.0) || !(span > 0.0)) return {};
-  GapModel::Trend trend = model.trend();
+  GapModel::Trend trend = model.trend(span);
   constexpr int kRefits = 3, kMost = 14;
   // Of a pair that recedes the chord tells nothing until the end is near.
   const int bold = trend.slope > 0.0 ? kMost - 3 : 6;
-  constexpr double kInside = 1e-9, kUnsure = 0.02;
+  constexpr double kInside = 1e-9, kUnsure = 0.05;
   double end = span;
   for (int i = 0; i < kMost; ++i) {
     if (i < kRefits) {

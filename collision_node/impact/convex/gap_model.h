@@ -8,6 +8,7 @@
 
 #include <boost/container/static_vector.hpp>
 
+#include "collision_node/impact/convex/core_pair.h"
 #include "collision_node/impact/convex/gjk.h"
 
 namespace collision_node::impact {
@@ -28,46 +29,12 @@ struct Parting {
   Vec3 at(double t) const { return axis.direction + (t - time) * axis.rate; }
 };
 
-/// How far the cores' points are from their objects' origins, to rounding [m].
-struct CoreReaches {
-  double a, b;
-};
-
-/// max over a core of u(s) . x, u(s) = u0 + s u1 + s^2 u2 in its object's frame. It is convex and linear in
-/// the length of u.
-class MovingSupport {
- public:
-  MovingSupport(const Element& e, const Vec3& u0, const Vec3& u1, const Vec3& u2);
-
-  double at(const Vec3& u) const;
-  double first() const { return at(u0_); }
-  /// At the control points of u(s) over [0, s].
-  double middle(double s) const { return at(u0_ + 0.5 * s * u1_); }
-  double last(double s) const { return at(u0_ + s * (u1_ + s * u2_)); }
-
-  /// Its rate and half its second derivative at s = 0, as long as its features stay.
-  struct Trend {
-    double rate, bend;
-  };
-  Trend trend() const;
-
- private:
-  const Element* hull_ = nullptr;  ///< a core without axes of its own; else:
-  enum { kPoint, kSegment, kBox, kCylinder } kind_ = kPoint;
-  Vec3 half_;                           ///< of a cylinder its radius, 0 and half its length
-  Vec3 u0_, u1_, u2_;                   ///< in its own axes, or in the object's frame
-  double centre_[3] = {0.0, 0.0, 0.0};  ///< u0, u1, u2 . its centre
-  friend class GapModel;
-};
-
 /// Lower bounds of the gap along n(s) over [0, end], for any end: at s = x end, 0 <= x <= 1, the gap is at
 /// least (1 - x)^2 first + 2 x (1 - x) middle + x^2 last.
 class GapModel {
  public:
-  GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis)
-      : GapModel(piece, now, a, b, axis, {coreReach(a), coreReach(b)}) {}
-  GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis,
-           const CoreReaches& reaches);
+  /// The cores must outlive the model.
+  GapModel(const PairPiece& piece, const Instant& now, const CorePair& cores, const Axis& axis);
 
   /// The gap now [m], rounding budget already subtracted, like that of all others.
   double first() const { return first_; }
@@ -92,22 +59,15 @@ class GapModel {
       return slope + s * (2.0 * bend - s * (3.0 * cubic + s * 4.0 * quartic));
     }
   };
-  Trend trend() const;
+  /// With the features that hold it at about its root, where that is within `span`, or else then.
+  Trend trend(double span = 0.0) const;
 
  private:
-  /// The axis as a rotating body sees it, first + s second + s^2 third to second order, and what is left of
-  /// it: at most s^3 (cubic + s quartic |rate|) for any of its core's points.
-  struct SeenAxis {
-    SeenAxis(const Axis& axis, const Mat3& rotation, const Vec3& omega, double spin, double reach);
+  void see(const PairPiece& piece, const Instant& now);
 
-    Vec3 first, second, third;
-    double cubic, quartic;
-  };
-  GapModel(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, const Axis& axis,
-           const SeenAxis& from_a, const SeenAxis& from_b);
-
+  const CorePair& cores_;
   Vec3 direction_, rate_;
-  MovingSupport a_, b_;  ///< of B negated
+  TwoVec3 seen_[3];  ///< the axis as both bodies see it, in the cores' own axes: powers of s
   double length_, rate_length_;
   double level_[3];         ///< of the origins' distance along n(s): powers of s
   double grown_;            ///< both radii and the contact distance

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/geometry/any_width.h"
 #include "collision_node/impact/convex/closest_points.h"
 
 namespace collision_node::impact {
@@ -141,7 +142,7 @@ void keep(const Reduced& r, Closest& c) {
 }
 
 /// From any points of B - A down to those closest to the origin.
-Closest descend(const Cores& cores, const Closest& start, const GoodEnough& enough) {
+COLLISION_NODE_ANY_WIDTH Closest descend(const Cores& cores, const Closest& start, const GoodEnough& enough) {
   Closest c = start;
   keep(reduce(c.point, c.count, false), c);
   // Points that are closest to rounding, and how far apart the cores are seen to be along them.
@@ -191,7 +192,8 @@ Closest slidingClosest(const Cores& cores) {
 }  // namespace
 
 double coreReach(const Element& e) {
-  if (e.vertices == nullptr) return e.centre.norm() + std::hypot(e.rim_radius, e.half_length);
+  if (e.vertices == nullptr)
+    return e.centre.norm() + std::sqrt(e.rim_radius * e.rim_radius + e.half_length * e.half_length);
   if (e.frame != nullptr)
     return ((e.frame->axes.transpose() * e.frame->centre).cwiseAbs() + e.frame->half).norm();
   double reach2 = 0.0;

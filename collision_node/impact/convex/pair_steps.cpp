@@ -3,24 +3,23 @@
 #include <algorithm>
 #include <limits>
 
+#include "collision_node/geometry/any_width.h"
 #include "collision_node/impact/convex/sliding_features.h"
 #include "collision_node/impact/convex/triangle_pair.h"
 
 namespace collision_node::impact {
 
 PairSteps::PairSteps(const PairPiece& piece, const Element& a, const Element& b)
-    : piece_(piece),
-      a_(a),
-      b_(b),
-      reach_{coreReach(a), coreReach(b)},
-      radius_(a.radius + b.radius + piece.contact_distance) {
+    : piece_(piece), a_(a), b_(b), radius_(a.radius + b.radius + piece.contact_distance) {
   if (SlidingPoints::fit(a, b)) sliding_.emplace(a, b);
 }
 
-double PairSteps::advance(double from, double to, double stop, std::uint64_t& tests) {
+COLLISION_NODE_ANY_WIDTH COLLISION_NODE_WITH_CALLS double PairSteps::advance(double from, double to,
+                                                                             double stop,
+                                                                             std::uint64_t& tests) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr int kMaxSteps = 4000;
-  constexpr double kHardly = 0.25;
+  constexpr double kHardly = 2.0;  // of a tenth of the bracket
   const bool triangles = a_.triangle >= 0 && b_.triangle >= 0;
   double t = from, before = 0.0;  // the last step
   for (int step = 0; step < kMaxSteps; ++step) {
@@ -77,12 +76,17 @@ Axis PairSteps::closestAt(const Instant& now, double loss) {
   return axis;
 }
 
+void PairSteps::modelAlong(const Axis& axis, const Instant& now) {
+  if (!cores_) cores_.emplace(a_, b_);
+  through_.emplace(piece_, now, *cores_, axis);
+}
+
 bool PairSteps::takeOver(const SlidingPoints& points, const Cores& part, double radius, const Instant& now,
                          double loss, Axis* axis) {
   const Axis found = points.axis(piece_.motion, now);
   const double distance = points.distance() - radius;
   if (!found.valid || !(distance > 0.0)) return false;
-  through_.emplace(piece_, now, a_, b_, found, reach_);
+  modelAlong(found, now);
   const double hidden = distance - radius_ - piece_.point_error - through_->first();
   if (hidden > loss * (distance - radius_)) {
     through_.reset();
@@ -112,7 +116,7 @@ double PairSteps::longest(const Instant& now, Axis axis, double span, Axis* prov
   double best = 0.0;
   const auto propose = [&](const Axis& proposed) {
     if (!proposed.valid) return;
-    if (!through_) through_.emplace(piece_, now, a_, b_, proposed, reach_);
+    if (!through_) modelAlong(proposed, now);
     const Apart apart = impact::apartFor(*through_, span);
     const double first = through_->first();
     through_.reset();

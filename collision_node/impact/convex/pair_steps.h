@@ -32,6 +32,8 @@ class PairSteps {
   /// Finds the closest points and the axis through them. A distance that is too large by the share `loss`
   /// will do.
   Axis closestAt(const Instant& now, double loss);
+  /// Makes the gap model along the axis.
+  void modelAlong(const Axis& axis, const Instant& now);
   /// Takes over the points, found for a part of the pair, if no other point of it shows itself closer.
   bool takeOver(const SlidingPoints& points, const Cores& part, double radius, const Instant& now,
                 double loss, Axis* axis);
@@ -40,9 +42,9 @@ class PairSteps {
 
   const PairPiece& piece_;
   const Element &a_, &b_;
-  const CoreReaches reach_;
   const double radius_;                   ///< of both, with the contact distance
   std::optional<SlidingPoints> sliding_;  ///< for a pair that has closed forms
+  std::optional<CorePair> cores_;         ///< where a model was asked for
   std::optional<GapModel> through_;       ///< of the axis that longest() is to try first, where it is made
   Parting parting_;
   Closest closest_;

@@ -7,6 +7,9 @@
 namespace collision_node::impact {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnit = 1.1102230246251565e-16;  // 2^-53
+
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// Keeps what lies left of the line through `from` along `edge`, or at most `beyond` |edge| right of it.
@@ -94,7 +97,7 @@ double discInHull(Polygon& points, Polygon& hull, Vec2* out) {
   convexHull(points, hull);
   if (out != nullptr) out->setZero();
   if (hull.size() < 3) return 0.0;
-  double radius = std::numeric_limits<double>::infinity();
+  double radius = kInfinity;
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Vec2 edge = hull[(i + 1) % hull.size()] - hull[i];
     const double length = edge.norm();
@@ -104,6 +107,48 @@ double discInHull(Polygon& points, Polygon& hull, Vec2* out) {
     if (out != nullptr) *out = Vec2(edge.y(), -edge.x()) / length;
   }
   return std::max(0.0, radius);
+}
+
+Strip stripOf(const Polygon& points) {
+  Strip s;
+  const auto farthest = [&](const Vec2& from) {
+    const Vec2* best = &points[0];
+    s.length2 = 0.0;
+    for (const Vec2& p : points) {
+      const double length2 = (p - from).squaredNorm();
+      if (!(length2 > s.length2)) continue;
+      s.length2 = length2;
+      best = &p;
+    }
+    return *best;
+  };
+  const Vec2 end = farthest(points[0]), along = farthest(end) - end;
+  s.across = s.length2 > 0.0 ? Vec2(Vec2(-along.y(), along.x()) / std::sqrt(s.length2)) : Vec2(1.0, 0.0);
+  s.low = kInfinity;
+  s.high = -kInfinity;
+  for (const Vec2& p : points) {
+    const double x = s.across.dot(p);
+    s.low = std::min(s.low, x);
+    s.high = std::max(s.high, x);
+  }
+  return s;
+}
+
+bool crossing(const Strip& a, double grow_a, const Strip& b, double grow_b, Vec2* centre, double* radius) {
+  constexpr double kLeastSine = 1e-3, kUp = 1.0 + 1e-12;
+  const double sine = a.across.x() * b.across.y() - a.across.y() * b.across.x();
+  const double cosine = a.across.dot(b.across);
+  if (!(std::abs(sine) > kLeastSine)) return false;
+  const double middle_a = 0.5 * (a.low + a.high), middle_b = 0.5 * (b.low + b.high);
+  const double half_a = 0.5 * (a.high - a.low) + grow_a, half_b = 0.5 * (b.high - b.low) + grow_b;
+  *centre = Vec2(middle_a * b.across.y() - middle_b * a.across.y(),
+                 middle_b * a.across.x() - middle_a * b.across.x()) /
+            sine;
+  const double rounding = 64.0 * kUnit * (std::abs(middle_a) + std::abs(middle_b)) / std::abs(sine);
+  *radius = std::sqrt(half_a * half_a + half_b * half_b + 2.0 * half_a * half_b * std::abs(cosine)) /
+                std::abs(sine) * kUp +
+            rounding;
+  return true;
 }
 
 }  // namespace collision_node::impact

@@ -26,4 +26,17 @@ void enclosingDisc(const Polygon& points, Vec2* centre, double* radius);
 /// way: with more points r is at most their farthest along it. Zero where there is no such edge.
 double discInHull(Polygon& points, Polygon& hull, Vec2* out = nullptr);
 
+/// A line between two points and what lies beside it.
+struct Strip {
+  Vec2 across = {1.0, 0.0};      ///< unit
+  double low = 0.0, high = 0.0;  ///< of all points along it
+  double length2 = 0.0;          ///< of the line, squared
+};
+
+/// Between the two points that are about farthest from each other.
+Strip stripOf(const Polygon& points);
+
+/// A disc that holds what two strips, each grown, have in common; false where they are nearly parallel.
+bool crossing(const Strip& a, double grow_a, const Strip& b, double grow_b, Vec2* centre, double* radius);
+
 }  // namespace collision_node::impact

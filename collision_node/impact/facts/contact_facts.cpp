@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/geometry/any_width.h"
 #include "collision_node/impact/convex/closest_points.h"
+#include "collision_node/impact/convex/near_support.h"
 #include "collision_node/impact/facts/contact_normal.h"
 
 namespace collision_node::impact {
@@ -41,13 +43,38 @@ bool stillParts(const PairPiece& piece, const Cores& cores, const Vec3& directio
   return cores.gapAlong(*n) >= least;
 }
 
+/// A direction from A to B along which the contact is to be seen, and closest points where it took them.
+/// False where the cores have no volume to tell one.
+bool proposeNormal(const PairPiece& piece, const Instant& now, const Cores& cores, double radius,
+                   double apart_at, const Parting* parting, const Closest& start, Vec3* n, Closest* closest) {
+  const Element &ea = *cores.a.element, &eb = *cores.b.element;
+  if (radius > 0.0 && SlidingPoints::fit(ea, eb)) {
+    SlidingPoints points(ea, eb);
+    points.find(cores);
+    *closest = points.closest(cores);
+    if (!closest->overlap) {
+      *n = points.direction().normalized();
+      return true;
+    }
+  }
+  if (radius == 0.0 && parting != nullptr && stillParts(piece, cores, parting->at(now.t), n)) return true;
+  *closest = closestPoints(cores, start);
+  const Axis axis = axisOf(piece, now, *closest, false);
+  if (axis.valid) *n = axis.direction;
+  if (!axis.valid && !shallowestNormal(piece, cores, n)) return false;
+  if (radius == 0.0) *n = bestNormal(piece, now, ea, eb, *closest, *n, apart_at);
+  n->normalize();
+  return true;
+}
+
 /// A contact seen along a normal.
 struct Sight {
   Vec3 n;       ///< unit, from A to B
   double cone;  ///< half angle about n that holds the true normal [rad]
   double gap;   ///< of the cores' support planes across n [m]
   Vec3 place;   ///< on A's support plane: the middle of the disc that holds both cores' share of the contact
-  double disc = 0.0;  ///< its radius [m]
+  double disc = 0.0;                                                     ///< its radius [m]
+  Feature feature_a = Feature::kUnknown, feature_b = Feature::kUnknown;  ///< where they are known
 };
 
 /// What may happen while the contact begins.
@@ -78,7 +105,7 @@ bool seePoint(const PairPiece& piece, const Cores& cores, double radius, const C
   const double beyond = n.dot(cores.b.place(cores.b.supportLocal(-n))) - top;
   const double gap = std::min(beyond, radius + moved);
   if (!(2.0 * moved < kMost * gap)) return false;
-  double cone = std::asin(2.0 * moved / gap) + 64.0 * piece.point_error / gap;
+  double cone = angleOf(2.0 * moved / gap) + 64.0 * piece.point_error / gap;
   // The point's way in the other's frame, which turns.
   if (points.onFace(2.0 * (moved + turned * distance))) {
     const RelativeMotion& m = piece.motion;
@@ -88,7 +115,7 @@ bool seePoint(const PairPiece& piece, const Cores& cores, double radius, const C
   *sight = {n, cone, beyond, point_is_a ? cores.a.place(a.vertices[0]) : cores.b.place(b.vertices[0]), moved};
   if (!point_is_a) {
     sight->place += n * (top - n.dot(sight->place));
-    sight->disc += radius * std::sin(cone);
+    sight->disc += radius * sineOf(cone);
   }
   return true;
 }
@@ -96,6 +123,40 @@ bool seePoint(const PairPiece& piece, const Cores& cores, double radius, const C
 /// How deep below the support planes the contact's points lie at most. Where contact falls within the span,
 /// the gap between these planes is at most `moved`.
 double depthOf(double gap, double radius, double moved) { return moved + std::max(0.0, radius - gap); }
+
+/// Along n in closed form, where the cores are sharp enough there for it; `closest` are about their closest
+/// points.
+bool seeNear(const PairPiece& piece, const Cores& cores, const Vec3& n, const Closest& closest, double radius,
+             const Change& change, double tolerance, Sight* sight) {
+  if (cores.a.element->frame == nullptr || cores.b.element->frame == nullptr || closest.count == 0)
+    return false;
+  const NearPair near(cores, n);
+  Vec3 near_a = cores.a.origin, near_b = cores.b.origin;
+  for (int i = 0; i < closest.count; ++i) {
+    near_a += closest.weight[i] * (*cores.a.rotation * closest.point[i].local_a);
+    near_b += closest.weight[i] * (*cores.b.rotation * closest.point[i].local_b);
+  }
+  const double moved = change.moved, gap = near.gap();
+  double cone =
+      near.normalCone(2.0 * moved + std::max(0.0, -gap), near_a, near_b, radius > moved && gap > 0.0)
+          .value_or(M_PI);
+  // The roundness tells at best what the way does over the radius.
+  constexpr double kNoBetter = 8.0;
+  const double most = std::min(gap, radius + moved);
+  if (most > 2.0 * moved && cone * most > kNoBetter * moved)
+    cone = std::min(cone, roundedCone(piece, cores, closest, n, gap, most, moved, change.turned));
+  sight->n = n;
+  sight->cone = cone + 32.0 * kUnit;
+  sight->gap = gap;
+  constexpr double kMost = 1e-3;
+  if (!(sight->cone < kMost)) return false;  // points may tell more
+  if (!near.commonDisc(depthOf(gap, radius, moved), sight->cone, moved, moved + radius * sineOf(sight->cone),
+                       &sight->place, &sight->disc))
+    return false;
+  if (cores.a.element->radius == 0.0) sight->feature_a = near.a().feature(tolerance);
+  if (cores.b.element->radius == 0.0) sight->feature_b = near.b().feature(tolerance);
+  return true;
+}
 
 /// Of any two cores; `closest` are their closest points where `radius` > 0.
 Sight see(const PairPiece& piece, const Cores& cores, const ContactView& view, const Vec3& n,
@@ -111,8 +172,8 @@ Sight see(const PairPiece& piece, const Cores& cores, const ContactView& view, c
   // The ball, in the plane across n: what is near both supports.
   Vec2 centre;
   double disc = 0.0;
-  view.commonDisc(depthOf(view.gap(), radius, moved), cone, moved,
-                  moved + radius * std::sin(std::min(cone, M_PI_2)), &centre, &disc);
+  view.commonDisc(depthOf(view.gap(), radius, moved), cone, moved, moved + radius * sineOf(cone), &centre,
+                  &disc);
   return {n, cone, view.gap(), view.place(centre, view.topOfA()), disc};
 }
 
@@ -139,13 +200,14 @@ double worldRounding(const PairPiece& piece) {
 
 }  // namespace
 
+COLLISION_NODE_ANY_WIDTH
 ContactFacts describeContact(const PairPiece& piece, const Instant& now, double span, ElementPair pair,
                              double apart_at, const Earlier& earlier, const Parting* parting,
                              const Closest& start, ViewBuffers& buffers) {
   ContactFacts f;
   const RelativeMotion& m = piece.motion;
-  Vec3 buffer_a[3], buffer_b[3];
-  const Element ea = piece.a.element(pair.a, buffer_a), eb = piece.b.element(pair.b, buffer_b);
+  const ElementView view_a(piece.a, pair.a), view_b(piece.b, pair.b);
+  const Element &ea = *view_a, &eb = *view_b;
   const Cores cores(now, ea, eb);
   const double radius = ea.radius + eb.radius + piece.contact_distance;
   const double reach_a = coreReach(ea), reach_b = coreReach(eb);
@@ -155,26 +217,23 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
       m.velocity(now.t).norm() + span * m.maxAcceleration() + m.spinA() * reach_a + m.spinB() * reach_b;
   const double moved = speed * span + earlier.distance + 2.0 * piece.point_error;
 
+  const double tolerance = moved + 1e-9 * (reach_a + reach_b);  // of features
+
   Sight sight;
   if (!seePoint(piece, cores, radius, {moved, turned}, &sight)) {
     Closest closest;
     Vec3 n;
-    if (radius > 0.0 || parting == nullptr || !stillParts(piece, cores, parting->at(now.t), &n)) {
-      closest = closestPoints(cores, start);
-      const Axis axis = axisOf(piece, now, closest, false);
-      if (axis.valid) n = axis.direction;
-      if (!axis.valid && !shallowestNormal(piece, cores, &n)) {
-        ContactWitness witness;
-        witness.element_a = pair.a;
-        witness.element_b = pair.b;
-        for (int i = 0; i < closest.count; ++i)
-          witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
-        return describeOverlap(piece, now, witness);
-      }
-      if (radius == 0.0) n = bestNormal(piece, now, ea, eb, closest, n, apart_at);
-      n.normalize();
+    if (!proposeNormal(piece, now, cores, radius, apart_at, parting, start, &n, &closest)) {
+      ContactWitness witness;
+      witness.element_a = pair.a;
+      witness.element_b = pair.b;
+      for (int i = 0; i < closest.count; ++i)
+        witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
+      return describeOverlap(piece, now, witness);
     }
-    sight = see(piece, cores, ContactView(cores, n, buffers), n, closest, radius, {moved, turned});
+    const Closest& about = closest.count > 0 ? closest : start;
+    if (!seeNear(piece, cores, n, about, radius, {moved, turned}, tolerance, &sight))
+      sight = see(piece, cores, ContactView(cores, n, buffers), n, closest, radius, {moved, turned});
   }
   const double cone = sight.cone;
   f.normal = sight.n;
@@ -184,19 +243,20 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   const double share = radius > 0.0 ? ea.radius + 0.5 * piece.contact_distance : 0.0;
   const double sunk = radius > 0.0 ? 0.0 : 0.5 * std::max(0.0, -sight.gap);
   f.position = sight.place + (share - sunk) * sight.n;
-  const double lean = share * 2.0 * std::sin(0.5 * cone);
+  const double lean = share * 2.0 * sineOf(0.5 * cone);
   // World position at the instant of contact: either body's own motion over the span, the smaller one.
   const double own_a = (m.ownSpeedA() + m.spinA() * (reach_a + ea.radius)) * span;
   const double own_b = (m.ownSpeedB() + m.spinB() * (reach_b + eb.radius)) * span;
   const double own = std::min(own_a, own_b + moved) + earlier.distance;
   const double depth = depthOf(sight.gap, radius, moved);
-  f.position_error =
-      std::hypot(sight.disc, depth) + lean + own + 2.0 * piece.point_error + worldRounding(piece);
+  f.position_error = std::sqrt(sight.disc * sight.disc + depth * depth) + lean + own +
+                     2.0 * piece.point_error + worldRounding(piece);
   f.position_error *= 1.0 + 64.0 * kUnit;
 
-  const double tolerance = moved + 1e-9 * (reach_a + reach_b);
-  f.a = sideOf(cores.a, f.position, featureOf(cores.a, sight.n, tolerance));
-  f.b = sideOf(cores.b, f.position, featureOf(cores.b, -sight.n, tolerance));
+  if (sight.feature_a == Feature::kUnknown) sight.feature_a = featureOf(cores.a, sight.n, tolerance);
+  if (sight.feature_b == Feature::kUnknown) sight.feature_b = featureOf(cores.b, -sight.n, tolerance);
+  f.a = sideOf(cores.a, f.position, sight.feature_a);
+  f.b = sideOf(cores.b, f.position, sight.feature_b);
   addVelocities(piece, now, f);
   return f;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/impact/convex/near_support.h"
 #include "collision_node/impact/proof/contact_proof.h"
 
 namespace collision_node::impact {
@@ -106,8 +107,7 @@ bool shallowestNormal(const PairPiece& piece, const Cores& cores, Vec3* n) {
 
 double roundedCone(const PairPiece& piece, const Cores& cores, const Closest& closest, const Vec3& n,
                    double plane_gap, double gap, double moved, const Turned& turned) {
-  const double lean =
-      std::asin(std::min(1.0, 2.0 * moved / gap)) + directionError(piece, cores, closest, gap);
+  const double lean = angleOf(2.0 * moved / gap) + directionError(piece, cores, closest, gap);
   double cone = std::acos((gap - moved) / (closest.v.norm() + moved));
   // A point's closest vector turns with the other core, and as far as the two have moved. Its own turn moves
   // nothing.

@@ -6,14 +6,14 @@
 
 namespace collision_node::impact {
 
-PairEvent EventWriter::stamped(Kind kind, double t) const {
+PairEvent EventWriter::stamped(Kind kind, const Instant& now) const {
   PairEvent event;
   event.kind = kind;
   event.interval_start_ns = piece_.start_ns;
   event.interval_end_ns = piece_.end_ns;
-  event.toi_lower = event.toi_upper = t;
-  event.a.pose = pair_.motion.poseA(t);
-  event.b.pose = pair_.motion.poseB(t);
+  event.toi_lower = event.toi_upper = now.t;
+  event.a.pose = pair_.motion.poseA(now.t, now.turn_a);
+  event.b.pose = pair_.motion.poseB(now.t, now.turn_b);
   event.a.sample_before_ns = piece_.a.start_ns;
   event.a.sample_after_ns = piece_.a.end_ns;
   event.b.sample_before_ns = piece_.b.start_ns;
@@ -47,7 +47,7 @@ void EventWriter::finishSeparation(PairEvent& event, double lower, double upper,
 }
 
 void EventWriter::finish(PairEvent& event, const Bracket& bracket, ElementPair pair) {
-  const Instant now = pair_.at(bracket.reference);
+  const Instant& now = search_.at(bracket.reference);
   const double span = bracket.upper - bracket.lower;
   event.multiple = false;
   ContactFacts facts;
@@ -88,7 +88,7 @@ void EventWriter::joinNeighbours(PairEvent& event, ContactFacts& facts, const Br
                                  ElementPair pair) {
   if (pair_.a.elementCount() == 1 && pair_.b.elementCount() == 1) return;
   constexpr std::size_t kLimit = 48;
-  const Instant now = pair_.at(bracket.reference);
+  const Instant& now = search_.at(bracket.reference);
   const NearPairs near_pairs = search_.nearPairs(bracket.lower, bracket.upper, kLimit, pair);
   if (near_pairs.size() >= kLimit || search_.exhausted()) event.multiple = true;  // not all were looked at
   for (const ElementPair& other : near_pairs) {

@@ -13,8 +13,8 @@ class EventWriter {
               Workspace& workspace)
       : pair_(pair), piece_(piece), options_(options), search_(search), views_(workspace.buffers().views) {}
 
-  /// An event at `t` without facts: stamps, samples, poses; toi_lower = toi_upper = t.
-  PairEvent stamped(Kind kind, double t) const;
+  /// An event at an instant without facts: stamps, samples, poses; toi_lower = toi_upper = its time.
+  PairEvent stamped(Kind kind, const Instant& now) const;
 
   /// The bracket's start on this piece's clock; negative when it opened earlier.
   double localStart(const PairEvent& event) const;

@@ -128,6 +128,7 @@ bool closeThrough(const Instant& from, const Instant& to, const Closest& first, 
     return x;
   };
   const Vec3 x0 = blend(first, from);
+  if (&from == &to && &first == &last) return x0.norm() <= limit;
   const Vec3 x1 = 0.5 * (blend(first, to) + blend(last, from));
   const Vec3 x2 = blend(last, to);
   return x0.norm() <= limit && x1.norm() <= limit && x2.norm() <= limit;

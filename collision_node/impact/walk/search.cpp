@@ -102,7 +102,8 @@ void Search::walk(double from, double to, bool by_time, Leaf&& leaf) {
     if (exhausted()) {
       leaf.unresolved(from);
     } else {
-      leaf(Slab(), 0, 0, {from, to});
+      static const Slab kAll{};  // nothing looks at it
+      leaf(kAll, 0, 0, {from, to});
     }
     return;
   }
@@ -179,8 +180,8 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
       return first.time + window;
     }
     double operator()(const Slab& slab, std::int32_t ea, std::int32_t eb, Span span) {
-      Vec3 buffer_a[3], buffer_b[3];
-      const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
+      const ElementView view_a(search.piece_.a, ea), view_b(search.piece_.b, eb);
+      const Element &a = *view_a, &b = *view_b;
       if (a.triangle >= 0 && b.triangle >= 0 && search.test_.trianglesApart(slab, a, b, span))
         return kInfinity;
       PairSteps steps(search.piece_, a, b);
@@ -227,6 +228,13 @@ const PathContact* Search::provedAt(double time) const {
   return proved ? &path_contact_ : nullptr;
 }
 
+const Instant& Search::at(double t) {
+  if (has_computed_ && t == computed_.t) return computed_;
+  if (has_computed_ && piece_.isNear(t, computed_)) return near_it_ = piece_.at(t, computed_);
+  has_computed_ = true;
+  return computed_ = piece_.at(t);
+}
+
 Closest Search::closestAt(double time, ElementPair pair) const {
   const bool seen = time >= stopped_at_ && pair.a == stopped_by_.a && pair.b == stopped_by_.b;
   return seen ? stopped_closest_ : Closest();
@@ -249,16 +257,16 @@ NearPairs Search::nearPairs(double from, double to, std::size_t limit, ElementPa
     ElementPair known;
     double unresolved(double) { return -kInfinity; }
     double operator()(const Slab& slab, std::int32_t ea, std::int32_t eb, Span span) {
-      Vec3 buffer_a[3], buffer_b[3];
-      const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
+      const ElementView view_a(search.piece_.a, ea), view_b(search.piece_.b, eb);
+      const Element &a = *view_a, &b = *view_b;
       if (a.triangle >= 0 && b.triangle >= 0 && search.test_.trianglesApart(slab, a, b, span))
         return kInfinity;
       return advance(ea, eb, span);
     }
     double advance(std::int32_t ea, std::int32_t eb, Span span) {
       if (ea == known.a && eb == known.b) return kInfinity;
-      Vec3 buffer_a[3], buffer_b[3];
-      const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
+      const ElementView view_a(search.piece_.a, ea), view_b(search.piece_.b, eb);
+      const Element &a = *view_a, &b = *view_b;
       const auto same = [&](const ElementPair& p) { return p.a == ea && p.b == eb; };
       if (std::any_of(pairs.begin(), pairs.end(), same)) return kInfinity;  // in two slabs
       if (PairSteps(search.piece_, a, b).advance(span.low, span.high, 0.0, search.node_tests_) <= span.high)
@@ -295,10 +303,10 @@ Proved Search::classifyElements(const Instant& now, const Element& a, const Elem
 
 Proved Search::classifyPair(double t, ElementPair pair, ContactWitness* witness) {
   ++node_tests_;
-  Vec3 buffer_a[3], buffer_b[3];
-  const Element a = piece_.a.element(pair.a, buffer_a), b = piece_.b.element(pair.b, buffer_b);
+  const ElementView view_a(piece_.a, pair.a), view_b(piece_.b, pair.b);
+  const Element &a = *view_a, &b = *view_b;
   witness->clear();
-  const Instant now = piece_.at(t);
+  const Instant& now = at(t);
   const Closest before = closestAt(t, pair);
   const Parting* const parting = partingAt(t, pair);
   const Vec3 direction = parting != nullptr ? parting->at(t) : Vec3(Vec3::Zero());
@@ -322,8 +330,8 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
       return -kInfinity;
     }
     double operator()(const Slab& slab, std::int32_t ea, std::int32_t eb, Span span) {
-      Vec3 buffer_a[3], buffer_b[3];
-      const Element a = search.piece_.a.element(ea, buffer_a), b = search.piece_.b.element(eb, buffer_b);
+      const ElementView view_a(search.piece_.a, ea), view_b(search.piece_.b, eb);
+      const Element &a = *view_a, &b = *view_b;
       if (a.triangle >= 0 && b.triangle >= 0 && search.test_.trianglesApart(slab, a, b, span))
         return kInfinity;
       ContactWitness w;
@@ -374,8 +382,8 @@ bool Search::longestLasting(double t, double horizon, ContactWitness* witness) {
     const Instant later = piece_.at(t + span);
     for (ContactWitness& w : found_) {
       ++node_tests_;
-      Vec3 buffer_a[3], buffer_b[3];
-      const Element a = piece_.a.element(w.element_a, buffer_a), b = piece_.b.element(w.element_b, buffer_b);
+      const ElementView view_a(piece_.a, w.element_a), view_b(piece_.b, w.element_b);
+      const Element &a = *view_a, &b = *view_b;
       double share;
       const Closest closest = w.closest;
       if (touchesThrough(piece_, now, later, a, b, w, share)) {

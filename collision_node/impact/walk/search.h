@@ -73,6 +73,9 @@ class Search {
   /// The part of the piece's time outside of which no point of one body can come within reach of the other.
   const Span& withinReach() const { return reach_; }
 
+  /// The piece's instant; those near to the last one cost little.
+  const Instant& at(double t);
+
   void countTest() { ++node_tests_; }
   bool exhausted() const { return node_tests_ > budget_ || slabs_.areMany(); }
   std::uint64_t nodeTests() const { return node_tests_; }
@@ -124,8 +127,10 @@ class Search {
   std::vector<ContactWitness>& found_;  ///< by classify()
   double near_from_ = std::numeric_limits<double>::infinity(), near_to_ = 0.0;
   double stopped_at_ = std::numeric_limits<double>::infinity();  ///< the last firstPossible()
-  ElementPair stopped_by_;   ///< and which pair it could not part any longer
-  Closest stopped_closest_;  ///< their closest points, about
+  ElementPair stopped_by_;      ///< and which pair it could not part any longer
+  Closest stopped_closest_;     ///< their closest points, about
+  Instant computed_, near_it_;  ///< of at(): the last one as a whole, and the last one near to that
+  bool has_computed_ = false;
 
   friend struct Workspace::Buffers;
 };
