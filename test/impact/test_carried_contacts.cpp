@@ -237,7 +237,8 @@ TEST(CarriedContacts, ThatBeginAndEndWithACornerOverACornerDoSoWithinW) {
       const Nanoseconds from = k * kFrame, to = from + kFrame;
       const double h = 1e-9 * static_cast<double>(kFrame), way = k < 3 ? -speed : speed;
       const double height = speed * h * std::abs(3 - k) - depth + options.contact_distance;
-      pair.advance(from, to, resting(), flight(from, to, at + Vec3(0, 0, height), {0, 0, way}, Vec3::Zero(), turn));
+      pair.advance(from, to, resting(),
+                   flight(from, to, at + Vec3(0, 0, height), {0, 0, way}, Vec3::Zero(), turn));
     }
     ASSERT_EQ(pair.story(), kInAndOut) << pair.list();
     for (const PairEvent& e : pair.events)
