@@ -51,7 +51,7 @@ RigidMotion straightLine(const StampedPose& from, const StampedPose& to) {
 }  // namespace
 
 Pose RigidMotion::at(double s) const {
-  const double half = 0.5 * omega.stableNorm() * s;
+  const double half = 0.5 * omega.norm() * s;
   return at(s, std::sin(half), std::cos(half));
 }
 
@@ -59,10 +59,11 @@ Pose RigidMotion::at(double s, double sine, double cosine) const {
   Pose pose;
   pose.position = positionAt(s);
   pose.orientation = q0;
-  if (omega != Vec3::Zero()) {
+  const double rate = omega.norm();  // 0 for what is too slow for its square to be seen
+  if (rate > 0.0) {
     Quat turn;
     turn.w() = cosine;
-    turn.vec() = sine * (omega / omega.stableNorm());
+    turn.vec() = sine * (omega / rate);
     pose.orientation = (turn * q0).normalized();
   }
   return pose;

@@ -237,6 +237,33 @@ TEST(ClosestPoints, OnARimTheyAreAsCloseAndSlide) {
   std::printf("%d pairs closest on a rim, %d at a change of features\n", found, off);
 }
 
+/// The closest vector's length tells its direction only to the root of rounding: a corner a hair beside
+/// another one was seen apart by 1e-8 m less than it was.
+TEST(ClosestPoints, WhereACornerIsOverACornerTheDirectionIsTold) {
+  Random random(kSeed, 4);
+  const Body body({moving::placed(geometry::Box{{1.0, 1.0, 1.0}})});
+  const Element e = body.primitive(0);
+  int apart = 0;
+  for (int i = 0; i < 3000; ++i) {
+    SCOPED_TRACE(i);
+    const geometry::Quat turn = random.orientation();
+    const Vec3 low = turn * supportOf(e, turn.conjugate() * Vec3(0.0, 0.0, -1.0));
+    const double beside = random.decade(-13, -6), height = random.decade(-5, -0.3);
+    const Vec3 at =
+        Vec3(0.5, 0.5, 0.5) - low + Vec3(beside * random.in(-1, 1), beside * random.in(-1, 1), height);
+    const moving::Pair pair({moving::placed(geometry::Box{{1.0, 1.0, 1.0}})},
+                            {moving::placed(geometry::Box{{1.0, 1.0, 1.0}})},
+                            {0, 1000, moving::resting(), moving::resting(at, turn)});
+    const Instant now = pair.solver.at(0.0);
+    const Cores cores(now, e, e);
+    const Closest found = closestPoints(cores, Vec3::Zero());
+    if (found.overlap) continue;  // tilted across the corner
+    ++apart;
+    EXPECT_LE(found.v.norm() - cores.gapAlong(found.v.normalized()), 1e-13);
+  }
+  EXPECT_GT(apart, 2000);
+}
+
 /// Proofs of contact take it for a point of the core, however nearly along the axis the direction is.
 TEST(ClosestPoints, ACylindersSupportIsAPointOfTheCylinder) {
   Random random(kSeed, 0);

@@ -145,6 +145,9 @@ void keep(const Reduced& r, Closest& c) {
 COLLISION_NODE_ANY_WIDTH Closest descend(const Cores& cores, const Closest& start, const GoodEnough& enough) {
   Closest c = start;
   keep(reduce(c.point, c.count, false), c);
+  // Points that are closest to rounding, and how far apart the cores are seen to be along them.
+  Closest stalled;
+  double stalled_gap = -std::numeric_limits<double>::infinity();
   constexpr int kMaxIterations = 96;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const double length2 = c.v.squaredNorm();
@@ -158,12 +161,18 @@ COLLISION_NODE_ANY_WIDTH Closest descend(const Cores& cores, const Closest& star
     if (length2 - least <= std::max(1e-13 * length2, enough.loss * (length2 - enough.distance * length)) ||
         least > enough.far * length)
       return c;
+    if (stalled.count > 0 && !(least > stalled_gap * length)) return stalled;
     for (int i = 0; i < c.count; ++i) {
       if (next.w == c.point[i].w) return c;
     }
     c.point[c.count] = next;
     const Reduced r = reduce(c.point, c.count + 1, true);
-    if (!r.inside && !(r.length2 < length2)) return c;  // no more progress in doubles
+    if (!r.inside && !(r.length2 < length2)) {
+      // No more progress in doubles. But a direction that is off by an angle makes the points farther only by
+      // its square: what is seen along it tells it better.
+      stalled = c;
+      stalled_gap = least / length;
+    }
     // Nothing lies beyond `next` along -v: with the origin beyond it, only a flat tetrahedron's rounding
     // holds it.
     if (r.inside && c.v.dot(next.w) > 0.0) return c;
