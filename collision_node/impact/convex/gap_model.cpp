@@ -72,7 +72,8 @@ GapModel::Trend GapModel::trend(double span) const {
   const CorePair::Trend cores = cores_.trend(seen_, first_ < span * speed ? first_ / speed : span);
   const double along = direction_.dot(rate_) / length_;
   Trend t;
-  t.first = level_[0] - cores.value - length_ * (grown_ + point_error_);
+  // Features of the end lie no farther out now than those of now do, but for rounding.
+  t.first = std::max(first_, level_[0] - cores.value - length_ * (grown_ + point_error_));
   t.slope = level_[1] - cores.rate - grown_ * along - rate_length_ * point_error_ - length_ * rate_error_;
   t.bend = level_[2] - cores.bend - 0.5 * grown_ * (rate_length_ * rate_length_ - along * along) / length_ -
            rate_length_ * rate_error_;
