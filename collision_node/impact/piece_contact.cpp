@@ -63,7 +63,7 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
     }
     if (now == Proved::kApart) {
       const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
-      const bool owed = !next.found || next.time - at > at - proved;
+      const bool owed = !next.found || next.time - at > width_;
       if (owed) {
         t = soonestApart(proved, nothing, at);
         if (const auto last = lastContact(proved, t, found)) {
