@@ -75,9 +75,7 @@ class PairWatch {
     std::shared_ptr<ContactNumber> contact;
   };
 
-  impact::PairState::Phase phase() const {
-    return state_ ? state_->phase : impact::PairState::Phase::kNew;
-  }
+  impact::PairState::Phase phase() const { return state_ ? state_->phase : impact::PairState::Phase::kNew; }
   void forgetContact();
   void letGo(const Context& context, Outbox& outbox);
   void fillModel(Event& event, const ModelWatch::Answer& answer) const;
@@ -91,7 +89,7 @@ class PairWatch {
   PairRank rank_;
   std::unique_ptr<impact::PairMethod> method_;
   std::unique_ptr<impact::PairState> state_;  ///< null: new. Large, and most pairs rest
-  Context bracket_;  ///< over all pieces that an open bracket has seen
+  Context bracket_;                           ///< over all pieces that an open bracket has seen
   std::shared_ptr<ContactNumber> contact_;
   ModelWatch model_;
   std::vector<Waiting> waiting_;
