@@ -20,21 +20,6 @@ Workspace& ownWorkspace() {
   return workspace;
 }
 
-/// Asks for memory a little ahead of its use.
-template <typename T>
-void fetch(const T* from, std::size_t count = 1) {
-#if defined(__GNUC__)
-  constexpr std::size_t kLine = 64;
-  for (std::size_t byte = 0; byte < count * sizeof(T) + kLine - 1; byte += kLine)
-    __builtin_prefetch(reinterpret_cast<const char*>(from) + byte);
-#endif
-}
-
-/// A body's first primitive, where it has one.
-const geometry::Element* primitiveOf(const Body& body) {
-  return body.elementCount() > body.triangleCount() ? &body.primitive(body.triangleCount()) : nullptr;
-}
-
 /// What needs no search: a straight shot, or paths out of reach.
 std::optional<PieceOutcome> withoutSearch(const Body& a, const Body& b, const Piece& piece,
                                           const PairOptions& options, bool known_apart,
@@ -119,10 +104,6 @@ void solve(const Body& a, const Body& b, const Piece& piece, const PairOptions& 
            Solution& solution) {
   solution.events.clear();
   const bool first_only = options.scope == Scope::kFirstContact;
-  const geometry::Element *const first_a = primitiveOf(a), *const first_b = primitiveOf(b);
-  for (const geometry::Element* e : {first_a, first_b}) {
-    if (e != nullptr) fetch(e);
-  }
   if (const auto outcome =
           withoutSearch(a, b, piece, options, false, first_only ? &solution.events : nullptr)) {
     solution.verdict = outcome->answer;
@@ -130,11 +111,6 @@ void solve(const Body& a, const Body& b, const Piece& piece, const PairOptions& 
     solution.node_tests = outcome->node_tests;
     solution.subdivisions = 0;
     return;
-  }
-  for (const geometry::Element* e : {first_a, first_b}) {
-    if (e == nullptr) continue;
-    if (e->frame != nullptr) fetch(e->frame);
-    if (e->count == 8) fetch(e->vertices, 8);
   }
   const PairPiece pair(a, b, piece, options.contact_distance);
   PairState state;

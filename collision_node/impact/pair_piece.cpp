@@ -63,19 +63,23 @@ bool PairPiece::isNear(double t, const Instant& computed) const {
 
 Instant PairPiece::at(double t, const Instant& computed) const {
   const double step = t - computed.t;
-  Instant now{t,
-              computed.ra,
-              computed.rb,
-              motion.displacement(t),
-              motion.velocity(t),
-              computed.turn_a,
-              computed.turn_b};
-  const auto turn = [](Mat3& rotation, const Vec3& by) {
-    for (int i = 0; i < 3; ++i) rotation.col(i) += by.cross(rotation.col(i));
+  const auto rotation = [step](const Mat3& before, const Vec3& omega) {
+    const Vec3 by = step * omega;
+    Mat3 now = before;
+    for (int i = 0; i < 3; ++i) now.col(i) += by.cross(before.col(i));
+    return now;
   };
-  turn(now.ra, step * motion.omegaA());
-  turn(now.rb, step * motion.omegaB());
-  return now;
+  const auto half_turn = [step](const RelativeMotion::HalfTurn& before, double spin) {
+    const double by = 0.5 * step * spin;
+    return RelativeMotion::HalfTurn{before.sine + by * before.cosine, before.cosine - by * before.sine};
+  };
+  return {t,
+          rotation(computed.ra, motion.omegaA()),
+          rotation(computed.rb, motion.omegaB()),
+          motion.displacement(t),
+          motion.velocity(t),
+          half_turn(computed.turn_a, motion.spinA()),
+          half_turn(computed.turn_b, motion.spinB())};
 }
 
 }  // namespace collision_node::impact

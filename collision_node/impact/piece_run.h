@@ -2,8 +2,8 @@
 ///
 /// Guarantees (docs/solver.md; each has a test that quotes it):
 ///   - Time that no event and no bracket covers is proved free of contact, or proved to be contact throughout
-///   up to
-///     gaps no longer than the bracket's width.
+///     up to gaps no longer than the bracket's width. (A flush stretch between two proofs of contact may hide
+///     longer ones: docs/limits.md.)
 ///   - CONFIRMED: apart before toi_lower, contact proved at or before toi_upper.
 ///   - What cannot be decided is published as POSSIBLE, never as clear.
 #pragma once
