@@ -28,6 +28,20 @@ std::optional<double> PieceRun::lastContact(double contact, double apart, Contac
   return std::nullopt;
 }
 
+bool PieceRun::part(double proved, double nothing, double apart, double& t,
+                    std::optional<ContactWitness>& witness) {
+  t = soonestApart(proved, nothing, apart);
+  ContactWitness found;
+  if (const auto last = lastContact(proved, t, found)) {
+    t = *last;
+    witness = std::move(found);
+    return false;
+  }
+  openSeparation(proved);
+  publishSeparation(t);
+  return true;
+}
+
 bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
   double look = floor_;
   double proved = t;   // contact is proved up to here
@@ -42,10 +56,22 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
       return true;
     }
   }
-  while (t < end_) {
+  while (t < end_ || witness) {
     if (search_.exhausted()) return true;
     if (witness) {
-      persist(t, *witness);
+      if (t - proved > longest_gap_) {
+        const Stretch stretch = between(proved, t);
+        if (stretch.kind == Stretch::kApart) {
+          witness.reset();
+          if (part(proved, proved, stretch.apart, t, witness)) return true;
+          continue;
+        }
+        if (stretch.kind == Stretch::kUnknown) {
+          openSeparation(proved);
+          contactAfterUnknown(t, *witness);
+        }
+      }
+      persist(t, *witness, end_);
       proved = t;
       last_contact_ = {witness->element_a, witness->element_b};
       witness.reset();
@@ -65,15 +91,8 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
       const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
       const bool owed = !next.found || next.time - at > width_;
       if (owed) {
-        t = soonestApart(proved, nothing, at);
-        if (const auto last = lastContact(proved, t, found)) {
-          t = *last;
-          witness = std::move(found);
-          continue;
-        }
-        openSeparation(proved);
-        publishSeparation(t);
-        return true;
+        if (part(proved, nothing, at, t, witness)) return true;
+        continue;
       }
       look = std::max(next.time - proved, look * kGrow);
     } else {
@@ -81,6 +100,18 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
       look *= kGrow;
     }
     if (at >= end_) {
+      if (end_ - proved > longest_gap_) {
+        const Stretch stretch = between(proved, end_);
+        if (stretch.kind == Stretch::kApart) {
+          if (part(proved, proved, stretch.apart, t, witness)) return true;
+          continue;
+        }
+        if (stretch.kind == Stretch::kUnknown) {
+          openSeparation(proved);
+          giveUp();
+          return false;
+        }
+      }
       openSeparation(proved);
       state_.phase = Phase::kUndecided;
       return waitForMore();
@@ -91,17 +122,17 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
   return false;
 }
 
-void PieceRun::persist(double& t, ContactWitness& witness) {
+void PieceRun::persist(double& t, ContactWitness& witness, double until) {
   if (witness.element_a < 0) {  // one body inside the other: until surfaces can meet
-    const Search::First first = search_.firstPossible(t, end_, 0.1 * width_);
-    t = first.found ? std::max(t, first.time) : end_;
+    const Search::First first = search_.firstPossible(t, until, 0.1 * width_);
+    t = first.found ? std::max(t, first.time) : until;
     return;
   }
   Vec3 buffer_a[3], buffer_b[3];
   const Element a = pair_.a.element(witness.element_a, buffer_a),
                 b = pair_.b.element(witness.element_b, buffer_b);
   constexpr double kOfGuess = 0.9, kLeastShare = 0x1p-5, kMostShare = 0.5;  // of a step that was too long
-  double step = end_ - t;
+  double step = until - t;
   Instant now = pair_.at(t);
   // Cores without a radius touch or do not: points a few budgets apart tell as much as closer ones.
   const bool has_radius = a.radius + b.radius + pair_.contact_distance > 0.0;
@@ -121,10 +152,10 @@ void PieceRun::persist(double& t, ContactWitness& witness) {
     renew(witness.shrunk > 0.0 ? std::numeric_limits<double>::infinity() : 0.0);
   }
   bool is_new = true;  // no other proof of this instant may last longer
-  while (t < end_ && !search_.exhausted()) {
-    const double next = std::min(end_, t + step);
+  while (t < until && !search_.exhausted()) {
+    const double next = std::min(until, t + step);
     const Instant later = pair_.at(next);
-    search_.countTest();
+    search_.countTests(1);
     double share = kMostShare;
     if (next > t && touchesThrough(pair_, now, later, a, b, witness, share)) {
       t = next;

@@ -15,6 +15,7 @@ PieceRun::PieceRun(const PairPiece& pair, const Piece& piece, const PairOptions&
     : pair_(pair),
       piece_(piece),
       options_(options),
+      workspace_(workspace),
       search_(pair, options.node_budget, workspace,
               StraightPath::of(pair.a, pair.b, piece, pair.contact_distance)),
       writer_(pair, piece, options, search_, workspace),
@@ -24,6 +25,7 @@ PieceRun::PieceRun(const PairPiece& pair, const Piece& piece, const PairOptions&
   const Widths widths(options, pair.point_error, pair.speed, end_);
   floor_ = widths.floor;
   width_ = widths.wanted;
+  longest_gap_ = std::max(width_, kBracket * floor_);
 }
 
 PieceOutcome PieceRun::run() {
@@ -135,6 +137,19 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
     if (proved != Proved::kContact) proved = search_.classify(at, &found, end_);
     if (proved == Proved::kContact) {
       t = soonestContact(from, proved_nothing, at, found);
+      if (state_.was_touching && t - from > longest_gap_) {
+        const Stretch stretch = between(from, t);
+        if (stretch.kind == Stretch::kApart) {
+          t = stretch.apart;
+          publishSeparation(t);
+          return true;
+        }
+        if (stretch.kind == Stretch::kUnknown) {
+          contactAfterUnknown(t, found);
+          witness = std::move(found);
+          return true;
+        }
+      }
       confirm(from, t, found, witness);
       return true;
     }
@@ -157,7 +172,8 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
         return true;
       }
       const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
-      if (next.found && next.time - at <= std::max(at - from, width_) && next.time < end_) {
+      const double longest = state_.was_touching ? width_ : std::max(at - from, width_);
+      if (next.found && next.time - at <= longest && next.time < end_) {
         step = std::max(next.time - from,
                         step * kGrow);  // a gap shorter than the bracket: the bracket goes on
         proved_nothing = next.time;

@@ -2,8 +2,7 @@
 ///
 /// Guarantees (docs/solver.md; each has a test that quotes it):
 ///   - Time that no event and no bracket covers is proved free of contact, or proved to be contact throughout
-///     up to gaps no longer than the bracket's width. (A flush stretch between two proofs of contact may hide
-///     longer ones: docs/limits.md.)
+///     up to gaps no longer than the bracket's width, or no wider than some rounding budgets (kFlush).
 ///   - CONFIRMED: apart before toi_lower, contact proved at or before toi_upper.
 ///   - What cannot be decided is published as POSSIBLE, never as clear.
 #pragma once
@@ -20,8 +19,9 @@
 namespace collision_node::impact {
 
 /// One piece of one pair, from the state at its start to the state at its end. Times are seconds from the
-/// piece's start. Its brackets are in piece_run.cpp, contacts and how they end in piece_contact.cpp, points
-/// that pass through surfaces and straight paths in piece_passage.cpp.
+/// piece's start. Its brackets are in piece_run.cpp, contacts and how they end in piece_contact.cpp, those
+/// too shallow to be proved in piece_flush.cpp, points that pass through surfaces and straight paths in
+/// piece_passage.cpp.
 class PieceRun {
  public:
   PieceRun(const PairPiece& pair, const Piece& piece, const PairOptions& options, Workspace& workspace,
@@ -33,6 +33,10 @@ class PieceRun {
   /// Successive instants of a search behind the end of a proof grow by this. What rounding hides is up to six
   /// budgets wide; with this overshoot a bracket stays within eight.
   static constexpr double kGrow = 1.3;
+  static constexpr double kBracket = 8.0;
+  /// [budgets] How far apart what nobody can prove may be and count as contact. Wide enough to be proved over
+  /// times that are not too short.
+  static constexpr double kFlush = 256.0;
   static constexpr int kHalvings = 3;  ///< of the last step of such a search
 
   /// A pair's first instant: overlapping, apart, or not known.
@@ -75,8 +79,23 @@ class PieceRun {
   TrianglePatch patchAround(const NearPairs& near, ElementPair pair, bool point_is_a, int shape) const;
   /// In contact at `t`: follows the proof forward, and where it ends looks for the next one or for clearance.
   bool follow(double& t, std::optional<ContactWitness>& witness);
-  /// Moves t forward as long as this witness proves contact.
-  void persist(double& t, ContactWitness& witness);
+  /// Moves t forward, up to `until`, as long as this witness proves contact.
+  void persist(double& t, ContactWitness& witness, double until);
+  /// Contact is proved at `proved` and the pair is apart at `apart`: publishes the separation and is true, or
+  /// finds contact again shortly before it.
+  bool part(double proved, double nothing, double apart, double& t, std::optional<ContactWitness>& witness);
+
+  /// What is known of a time in which contact was not proved.
+  struct Stretch {
+    enum Kind { kClose, kApart, kUnknown } kind;
+    double apart =
+        0.0;  ///< kApart: an instant from which the pair is apart for longer than a bracket's width
+  };
+  /// Between two instants: close enough to contact throughout, up to gaps no longer than a bracket's width?
+  Stretch between(double from, double to);
+  /// Contact is proved at `at`, and was possible since `from`: an open question, and a contact of which
+  /// nobody knows how it began.
+  void contactAfterUnknown(double at, const ContactWitness& witness);
   void openSeparation(double t);
   /// Closes a separation's bracket at `at`. `apart`: proved there, else the question stays open.
   void publishSeparation(double at, bool apart = true);
@@ -92,12 +111,14 @@ class PieceRun {
   const PairPiece& pair_;
   const Piece& piece_;
   const PairOptions& options_;
+  Workspace& workspace_;
   Search search_;
   EventWriter writer_;
   PairState& state_;
   std::vector<PairEvent>& events_;
   const double end_;
   double floor_, width_;
+  double longest_gap_;  ///< [s] that may be passed over between two proofs of contact
   ElementPair opened_;
   ElementPair last_contact_;
   std::optional<ContactWitness> start_witness_;

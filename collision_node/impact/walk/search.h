@@ -76,7 +76,7 @@ class Search {
   /// The piece's instant; those near to the last one cost little.
   const Instant& at(double t);
 
-  void countTest() { ++node_tests_; }
+  void countTests(std::uint64_t count) { node_tests_ += count; }
   bool exhausted() const { return node_tests_ > budget_ || slabs_.areMany(); }
   std::uint64_t nodeTests() const { return node_tests_; }
   std::uint64_t subdivisions() const { return slabs_.subdivisions(); }
@@ -142,12 +142,16 @@ struct Workspace::Buffers {
   std::vector<Search::Near> near;
   std::vector<ContactWitness> found;
   ViewBuffers views;
-  ShellBodies shell_bodies;           ///< of one search at a time
-  std::unique_ptr<Workspace> shells;  ///< null until a body turns far
+  ShellBodies shell_bodies;                        ///< of one search at a time
+  std::unique_ptr<Workspace> of_shells, of_flush;  ///< null until a body turns far, or slides flush
 
-  Workspace& forShells() {
-    if (!shells) shells = std::make_unique<Workspace>();
-    return *shells;
+  Workspace& forShells() { return made(of_shells); }
+  Workspace& forFlush() { return made(of_flush); }
+
+ private:
+  static Workspace& made(std::unique_ptr<Workspace>& workspace) {
+    if (!workspace) workspace = std::make_unique<Workspace>();
+    return *workspace;
   }
 };
 

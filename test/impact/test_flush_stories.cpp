@@ -1,0 +1,165 @@
+/// A slider that rests on slabs of random lengths: deep enough for a proof, exactly flush, or over a gap.
+/// Truth is the arithmetic of intervals.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "test/impact/claims.h"
+
+namespace moving {
+namespace {
+
+using collision_node::geometry::Box;
+using collision_node::geometry::Convex;
+using collision_node::geometry::Cylinder;
+using collision_node::geometry::Mesh;
+
+constexpr std::uint64_t kSeed = 20261127;
+constexpr Nanoseconds kEnd = 1'000'000'000;
+
+enum class Slab { kDeep, kFlush, kNone };
+
+/// When the slider is over a slab of this kind [s].
+struct Stay {
+  Slab slab;
+  double from, to;
+};
+
+struct Story {
+  Shapes slabs, slider;
+  PairOptions options;
+  double speed = 0.0, spin = 0.0, half = 0.0;
+  std::vector<Stay> stays;
+
+  std::string text() const {
+    std::ostringstream out;
+    out.precision(12);
+    out << "speed " << speed << " spin " << spin << " contact distance " << options.contact_distance << ";";
+    for (const Stay& stay : stays)
+      out << (stay.slab == Slab::kDeep ? " deep [" : " flush [") << stay.from << ", " << stay.to << "]";
+    return out.str();
+  }
+
+  /// The times of longer than `least` in which it is over no slab at all.
+  std::vector<Stay> freeTimes(double least) const {
+    std::vector<Stay> free;
+    double until = 0.0;
+    for (const Stay& stay : stays) {
+      if (stay.slab == Slab::kNone) continue;
+      if (stay.from - until > least) free.push_back({Slab::kNone, until, stay.from});
+      until = std::max(until, stay.to);
+    }
+    if (1.0 - until > least) free.push_back({Slab::kNone, until, 1.0});
+    return free;
+  }
+};
+
+PlacedShape asKind(int kind, double half) {
+  switch (kind) {
+    case 0:
+      return placed(Box{{2 * half, 2 * half, 2 * half}});
+    case 1:
+      return placed(Convex{std::get<Mesh>(boxMesh({half, half, half}).shape).mesh});
+    case 2:
+      return boxMesh({half, half, half});
+    default:
+      return placed(Cylinder{half, 2 * half});
+  }
+}
+
+/// Moves along x for a second, its lower face at z = 0; a cylinder's or a turning slider's ends in x are
+/// those of its round face, so that turning changes nothing.
+Story makeStory(Random& random, int kind) {
+  Story s;
+  s.half = 0.03125;
+  s.speed = random.decade(-1, 1);
+  s.spin = kind == 3 && random.chance(0.5) ? random.decade(-3, 1) : 0.0;
+  s.slider = {asKind(kind, s.half)};
+  if (random.chance(0.3)) s.options.contact_distance = 0.0625;
+  double x = -10.0;
+  Slab before = Slab::kNone;
+  double length = 10.0 - random.in(0.0, 0.3) * s.speed;
+  for (int i = 0; x < 1.1 * s.speed; ++i) {
+    Slab now;
+    do now = static_cast<Slab>(random.below(3));
+    while (now == before);
+    const double end = x + length;
+    if (now != Slab::kNone) {
+      const double top = (now == Slab::kDeep ? 1e-9 : 0.0) - s.options.contact_distance;
+      // A gap closes for a slider that is longer; what is over it has both ends in it.
+      s.slabs.push_back(placed(Box{{length, 2, 1}}, Vec3(x + 0.5 * length, 0, top - 0.5)));
+      // At a contact distance c, what is deep is also near from a little beside the slab; some of what is
+      // flush may be.
+      const double beside = std::sqrt(2e-9 * s.options.contact_distance);
+      s.stays.push_back({now, (x - s.half - beside) / s.speed, (end + s.half + beside) / s.speed});
+    }
+    before = now;
+    x = end;
+    length = (now == Slab::kNone ? 0.0 : 2 * s.half) + random.decade(-6, -0.3) * s.speed;
+    if (random.chance(0.5)) length += 2 * s.half;
+  }
+  return s;
+}
+
+TEST(FlushStories, NoFreeTimeIsPassedOver) {
+  // "proved to be contact throughout up to gaps no longer than the bracket's width, or no wider than some
+  // rounding budgets", and apart only where nothing is deep.
+  int free_times = 0, told = 0, possible = 0, events = 0;
+  for (int i = 0; i < 400; ++i) {
+    Random random(kSeed, i);
+    const Story s = makeStory(random, i % 4);
+    SCOPED_TRACE(std::to_string(i) + ": " + s.text());
+    if (s.slabs.empty()) continue;
+    Watched pair(s.slabs, s.slider, s.options);
+    pair.advanceInParts(0, kEnd, resting(), flight(0, kEnd, {0, 0, s.half}, {s.speed, 0, 0}, {0, 0, s.spin}),
+                        random.chance(0.5) ? 1 : 1 + random.below(20));
+    pair.finish();
+    std::vector<PairEvent> whole = pair.events;
+    for (PairEvent& e : whole) {
+      const double off = 1e-9 * static_cast<double>(e.interval_start_ns);
+      e.toi_lower += off, e.toi_upper += off;
+      possible += e.certificate == Certificate::kPossible;
+    }
+    events += static_cast<int>(whole.size());
+    const double rounding = 1e-12, merged = 3e-9;
+    for (const Claim& claim : claimsOf(whole, 1.0)) {
+      if (claim.said != Said::kTouching) continue;
+      for (const Stay& free : s.freeTimes(merged)) {
+        const double passed = std::min(claim.to, free.to) - std::max(claim.from, free.from);
+        EXPECT_LE(passed, merged + rounding) << "touching on [" << claim.from << ", " << claim.to
+                                             << "] s, free on [" << free.from << ", " << free.to << "] s\n"
+                                             << listOf(whole);
+      }
+    }
+    for (const Stay& free : s.freeTimes(merged)) {
+      ++free_times;
+      told += std::any_of(whole.begin(), whole.end(), [&](const PairEvent& e) {
+        return e.kind == Kind::kSeparation && e.toi_lower <= free.to && e.toi_upper >= free.from;
+      });
+    }
+  }
+  std::printf("%d free times, %d told by a separation; %d events, %d POSSIBLE\n", free_times, told, events,
+              possible);
+}
+
+TEST(FlushStories, WhatCannotBeFollowedIsPossibleAndNotContact) {
+  // "the time between them is a SEPARATION, POSSIBLE, and the contact behind it an INITIAL_OVERLAP": a box
+  // spins on a slab a little deep, then on one that is flush.
+  const auto slab = [](double from, double to, double top) {
+    return placed(Box{{to - from, 2, 1}}, Vec3(0.5 * (from + to), 0, top - 0.5));
+  };
+  PairOptions options;
+  options.node_budget = 100000;
+  Watched pair({slab(-1, 0, 1e-7), slab(0, 0.5, 0), slab(0.5, 1.5, 1e-7)}, {asKind(0, 0.03125)}, options);
+  const auto spinning = flight(0, kEnd, {-0.1, 0, 0.03125}, {1, 0, 0}, {0, 0, 30});
+  pair.advance(0, kEnd, resting(), spinning);
+  ASSERT_EQ(pair.story(), "INITIAL_OVERLAP CONFIRMED, SEPARATION POSSIBLE, INITIAL_OVERLAP CONFIRMED")
+      << pair.list();
+  EXPECT_LE(pair.events[1].toi_upper, pair.events[2].toi_lower);
+  EXPECT_LT(pair.events[1].toi_lower, 0.2) << "flush from then on at the latest";
+  EXPECT_GT(pair.events[1].toi_upper, 0.5) << "deep again from then on at the earliest";
+}
+
+}  // namespace
+}  // namespace moving
