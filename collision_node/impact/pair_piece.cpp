@@ -45,14 +45,14 @@ PairPiece::PairPiece(const Body& body_a, const Body& body_b, const RelativeMotio
 }
 
 Instant PairPiece::at(double t) const {
-  const RelativeMotion::HalfTurn turn_a = motion.halfTurnA(t), turn_b = motion.halfTurnB(t);
+  const RelativeMotion::HalfTurns turn = motion.halfTurns(t);
   return {t,
-          motion.rotationA(turn_a),
-          motion.rotationB(turn_b),
+          motion.rotationA(turn.a),
+          motion.rotationB(turn.b),
           motion.displacement(t),
           motion.velocity(t),
-          turn_a,
-          turn_b};
+          turn.a,
+          turn.b};
 }
 
 /// A turn by an angle x is 1 + x K to x^2/2: what is left of it here is a sixteenth of a rounding.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "collision_node/geometry/any_width.h"
+#include "collision_node/geometry/two_sines.h"
 
 namespace collision_node::motion {
 namespace {
@@ -33,10 +34,9 @@ void RelativeMotion::Spin::set(const RigidMotion& m, double offset_s, double dur
   error = kUnit * (64.0 + 16.0 * spin * (std::abs(offset) + duration)) + m.turn_error;
 }
 
-RelativeMotion::HalfTurn RelativeMotion::Spin::halfTurn(double t) const {
-  if (rate == 0.0) return {0.0, 1.0};
-  const double half = 0.5 * (rate * (offset + t));
-  return {std::sin(half), std::cos(half)};
+RelativeMotion::HalfTurns RelativeMotion::halfTurns(double t) const {
+  const geometry::TwoSines of = geometry::sinesOf(geometry::Two{a_.halfAngle(t), b_.halfAngle(t)});
+  return {{of.sine[0], of.cosine[0]}, {of.sine[1], of.cosine[1]}};
 }
 
 /// Rodrigues: r + sin(x) (k x r) + (1 - cos(x)) k x (k x r), both factors from the half angle.

@@ -64,12 +64,14 @@ class RelativeMotion {
   struct HalfTurn {
     double sine, cosine;
   };
-  HalfTurn halfTurnA(double t) const { return a_.halfTurn(t); }
-  HalfTurn halfTurnB(double t) const { return b_.halfTurn(t); }
+  struct HalfTurns {
+    HalfTurn a, b;
+  };
+  HalfTurns halfTurns(double t) const;
   Mat3 rotationA(const HalfTurn& turn) const { return a_.at(turn); }
   Mat3 rotationB(const HalfTurn& turn) const { return b_.at(turn); }
-  Mat3 rotationA(double t) const { return rotationA(halfTurnA(t)); }
-  Mat3 rotationB(double t) const { return rotationB(halfTurnB(t)); }
+  Mat3 rotationA(double t) const { return rotationA(halfTurns(t).a); }
+  Mat3 rotationB(double t) const { return rotationB(halfTurns(t).b); }
   const Vec3& omegaA() const { return a_.omega; }
   const Vec3& omegaB() const { return b_.omega; }
   double spinA() const { return a_.spin; }
@@ -110,7 +112,7 @@ class RelativeMotion {
 
     void set(const RigidMotion& m, double offset, double duration);
     void still();
-    HalfTurn halfTurn(double t) const;
+    double halfAngle(double t) const { return 0.5 * (rate * (offset + t)); }
     Mat3 at(const HalfTurn& turn) const;
   };
 
