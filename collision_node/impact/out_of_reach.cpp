@@ -18,7 +18,7 @@ bool outOfReach(const Body& a, const Body& b, const Piece& piece, double contact
   const Vec3 way = line.rate * line.duration;
   const double length2 = way.squaredNorm();
   const double share = length2 > 0.0 ? std::clamp(-line.d.dot(way) / length2, 0.0, 1.0) : 0.0;
-  return (line.d + share * way).norm() > reach;
+  return (line.d + share * way).squaredNorm() > squareAbove(reach);
 }
 
 }  // namespace collision_node::impact

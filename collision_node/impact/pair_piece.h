@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "collision_node/geometry/body.h"
@@ -16,6 +17,10 @@ using geometry::Mat3;
 using motion::RelativeMotion;
 
 constexpr double kUnit = 1.1102230246251565e-16;  ///< 2^-53
+
+/// Of a length that is already larger than it must be by some roundings: what a computed square of a vector
+/// may be compared with, however small it is.
+inline double squareAbove(double length) { return length * length + std::numeric_limits<double>::min(); }
 
 /// How wide a bracket may be: refinement goes on until neither its width nor what it adds to the ball
 /// matters; rounding is the floor.

@@ -276,6 +276,26 @@ TEST(Certified, ASpentBudgetIsSaidAndNeverClear) {
   EXPECT_TRUE(confirmed);
 }
 
+TEST(Certified, APairThatIsStillToBePartedSpendsNoMoreThanTheBudget) {
+  // Two bars turn about themselves like the blades of a mixer, 500 times, and never meet: thousands of steps
+  // of one pair of elements.
+  const double spin = 500 * 2 * M_PI / 0.033333333;
+  const geometry::PlacedShape bar = moving::placed(geometry::Box{{1.0, 0.05, 0.05}});
+  for (const std::uint64_t budget : {100, 500, 4000000}) {
+    PairOptions options;
+    options.node_budget = budget;
+    Watched pair({bar}, {bar}, options);
+    const auto turning = [&](const Vec3& at, double turned) {
+      return flight(0, kFrame, at, Vec3::Zero(), {0, 0, spin},
+                    geometry::Quat(Eigen::AngleAxisd(turned, Vec3::UnitZ())));
+    };
+    const PieceOutcome outcome =
+        pair.advance(0, kFrame, turning({0, 0, 0}, 0.0), turning({0.85, 0, 0}, 0.5 * M_PI));
+    EXPECT_LE(outcome.node_tests, budget + 40);
+    EXPECT_EQ(outcome.answer, budget > 1000 ? Answer::kClear : Answer::kUndecided) << outcome.node_tests;
+  }
+}
+
 TEST(Certified, ABudgetSpentAnywhereLosesNoImpact) {
   // "Time that no event and no bracket covers is proved free of contact", wherever the budget ends.
   struct Row {
@@ -291,6 +311,7 @@ TEST(Certified, ABudgetSpentAnywhereLosesNoImpact) {
                       {moving::boxMesh({1, 1, 1}), small_box, {1.05}, 0.0},
                       {surface, sphere(0.05), {1.05, -0.95}, 2.0},
                       {surface, point(), {1.0, -1.0}, 0.0}};
+  constexpr std::uint64_t kFacts = 40;  // tests that tell where the events are
   for (const Row& row : rows) {
     for (std::uint64_t budget = 0; budget < 600; budget += budget < 250 ? 1 : 7) {
       PairOptions options;
@@ -303,6 +324,7 @@ TEST(Certified, ABudgetSpentAnywhereLosesNoImpact) {
                    std::to_string(row.b.shape.index()) + " budget " + std::to_string(budget) + "\n" +
                    pair.list());
       ASSERT_FALSE(pair.events.empty());
+      EXPECT_LE(outcome.node_tests, budget + kFacts) << "no search goes on";
       ASSERT_NE(pair.events[0].kind, Kind::kSeparation);
       for (std::size_t i = 0; i < pair.events.size(); ++i) {
         ASSERT_EQ(pair.events[i].interval_end_ns, kFrame);

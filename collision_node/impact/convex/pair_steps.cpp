@@ -16,14 +16,15 @@ PairSteps::PairSteps(const PairPiece& piece, const Element& a, const Element& b)
 
 COLLISION_NODE_ANY_WIDTH COLLISION_NODE_WITH_CALLS double PairSteps::advance(double from, double to,
                                                                              double stop,
-                                                                             std::uint64_t& tests) {
+                                                                             std::uint64_t& tests,
+                                                                             std::uint64_t most) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr int kMaxSteps = 4000;
   constexpr double kHardly = 2.0;  // of a tenth of the bracket
   const bool triangles = a_.triangle >= 0 && b_.triangle >= 0;
   double t = from, before = 0.0;  // the last step
   for (int step = 0; step < kMaxSteps; ++step) {
-    if (step > 0) ++tests;
+    if (step > 0 && ++tests > most) return t;
     const Instant now = piece_.at(t);
     Axis axis, other;
     double s = triangles ? TrianglePair(piece_, now, a_, b_).apartFor(to - t, &axis) : 0.0;

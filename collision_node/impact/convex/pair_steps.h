@@ -16,8 +16,9 @@ class PairSteps {
   PairSteps(const PairPiece& piece, const Element& a, const Element& b);
 
   /// Steps from `from` as long as a gap is proved; returns the time up to which, infinity when up to `to`.
-  /// Steps shorter than `stop` end the search. Adds all but the first to `tests`.
-  double advance(double from, double to, double stop, std::uint64_t& tests);
+  /// Steps shorter than `stop` end the search, and so does more than `most` in `tests`, to which all but the
+  /// first are added.
+  double advance(double from, double to, double stop, std::uint64_t& tests, std::uint64_t most);
 
   /// The longest time from `now`, at most `span`, that any proposed axis proves, and that axis. `closest` are
   /// the cores' closest points.

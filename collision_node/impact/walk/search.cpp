@@ -185,7 +185,7 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
       if (a.triangle >= 0 && b.triangle >= 0 && search.test_.trianglesApart(slab, a, b, span))
         return kInfinity;
       PairSteps steps(search.piece_, a, b);
-      const double t = steps.advance(span.low, span.high, stop, search.node_tests_);
+      const double t = steps.advance(span.low, span.high, stop, search.node_tests_, search.budget_);
       if (t > span.high) return kInfinity;
       if (!first.found || t < first.time) {
         first = {true, t, {ea, eb}};
@@ -269,7 +269,8 @@ NearPairs Search::nearPairs(double from, double to, std::size_t limit, ElementPa
       const Element &a = *view_a, &b = *view_b;
       const auto same = [&](const ElementPair& p) { return p.a == ea && p.b == eb; };
       if (std::any_of(pairs.begin(), pairs.end(), same)) return kInfinity;  // in two slabs
-      if (PairSteps(search.piece_, a, b).advance(span.low, span.high, 0.0, search.node_tests_) <= span.high)
+      PairSteps steps(search.piece_, a, b);
+      if (steps.advance(span.low, span.high, 0.0, search.node_tests_, search.budget_) <= span.high)
         pairs.push_back({ea, eb});
       return pairs.size() < limit ? kInfinity : -kInfinity;
     }
@@ -407,12 +408,13 @@ Span Search::reachOf(const PairPiece& piece) const {
   const Vec3 d = m.displacement(0.0), e = m.displacement(end) - d;
   const double length2 = e.squaredNorm(), length = std::sqrt(length2);
   const double nearest = length2 > 0.0 ? -d.dot(e) / length2 : 0.0;
-  const auto beyond = [&](double share) { return (d + share * e).norm() > reach; };
+  const double reach2 = squareAbove(reach);
+  const auto beyond = [&](double share) { return (d + share * e).squaredNorm() > reach2; };
   if (beyond(std::clamp(nearest, 0.0, 1.0))) return {kInfinity, -kInfinity};
   Span span{0.0, end};
   if (!(length > rounding)) return span;
   const double across2 = (d + nearest * e).squaredNorm();
-  const double half = std::sqrt(std::max(0.0, reach * reach - across2)) / length * (1.0 + 1e-9) + 1e-9;
+  const double half = std::sqrt(std::max(0.0, reach2 - across2)) / length * (1.0 + 1e-9) + 1e-9;
   const double low = nearest - half, high = nearest + half;
   if (low > 0.0 && beyond(low) && (d + low * e).dot(e) < -rounding * length)
     span.low = low * end * (1.0 - 1e-12);
