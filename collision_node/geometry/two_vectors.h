@@ -65,6 +65,12 @@ struct TwoMat3 {
     for (int j = 0; j < 3; ++j)
       column[j] = {Two{a(0, j), b(0, j)}, Two{a(1, j), b(1, j)}, Two{a(2, j), b(2, j)}};
   }
+  void split(Mat3& a, Mat3& b) const {
+    for (int j = 0; j < 3; ++j) {
+      a.col(j) = column[j].a();
+      b.col(j) = column[j].b();
+    }
+  }
   /// Its transpose times p.
   TwoVec3 backwards(const TwoVec3& p) const {
     return {dot(column[0], p), dot(column[1], p), dot(column[2], p)};

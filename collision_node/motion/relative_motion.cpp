@@ -14,24 +14,46 @@ constexpr double kUp = 1.0 + 64.0 * kUnit;        // makes a computed norm or su
 
 }  // namespace
 
-COLLISION_NODE_ANY_WIDTH
-void RelativeMotion::Spin::set(const RigidMotion& m, double offset_s, double duration) {
-  r0 = m.q0.normalized().toRotationMatrix();
-  omega = m.omega;
-  rate = omega.norm();
-  if (rate > 0.0) {
-    const Vec3 axis = omega / rate;
-    for (int i = 0; i < 3; ++i) {
-      across.col(i) = axis.cross(r0.col(i));
-      inward.col(i) = axis.cross(across.col(i));
-    }
+void RelativeMotion::setSpins() {
+  using geometry::twice;
+  using geometry::Two;
+  using geometry::TwoMat3;
+  using geometry::TwoVec3;
+  const Quat &qa = motion_a_.q0, &qb = motion_b_.q0;
+  Two w{qa.w(), qb.w()};
+  TwoVec3 v(qa.vec(), qb.vec());
+  const Two length = geometry::squareRoot(w * w + dot(v, v));
+  w /= length;
+  v = TwoVec3(v.x / length, v.y / length, v.z / length);
+  const TwoVec3 v2 = 2.0 * v, along = w * v2;
+  const Two xx = v.x * v2.x, xy = v.x * v2.y, xz = v.x * v2.z, yy = v.y * v2.y, yz = v.y * v2.z,
+            zz = v.z * v2.z, one = twice(1.0);
+  TwoMat3 r0, across, inward;
+  r0.column[0] = {one - (yy + zz), xy + along.z, xz - along.y};
+  r0.column[1] = {xy - along.z, one - (xx + zz), yz + along.x};
+  r0.column[2] = {xz + along.y, yz - along.x, one - (xx + yy)};
+  const TwoVec3 omega(motion_a_.omega, motion_b_.omega);
+  const Two rate = norm(omega), safe = rate > 0.0 ? rate : one;
+  const TwoVec3 axis(omega.x / safe, omega.y / safe, omega.z / safe);
+  for (int i = 0; i < 3; ++i) {
+    across.column[i] = cross(axis, r0.column[i]);
+    inward.column[i] = cross(axis, across.column[i]);
   }
-  spin = rate * kUp;
-  offset = offset_s;
-  // 64: quaternion to matrix, Rodrigues' entries, two products, the placing of geometry in the object's
-  // frame, and the slerp's rotation vector (absolute part). 16 theta: the angle's relative error, both of
-  // omega and of the time.
-  error = kUnit * (64.0 + 16.0 * spin * (std::abs(offset) + duration)) + m.turn_error;
+  r0.split(a_.r0, b_.r0);
+  across.split(a_.across, b_.across);
+  inward.split(a_.inward, b_.inward);
+  const auto set = [&](Spin& spin, const RigidMotion& m, double turning, double offset) {
+    spin.omega = m.omega;
+    spin.rate = turning;
+    spin.spin = turning * kUp;
+    spin.offset = offset;
+    // 64: quaternion to matrix, Rodrigues' entries, two products, the placing of geometry in the object's
+    // frame, and the slerp's rotation vector (absolute part). 16 theta: the angle's relative error, both of
+    // omega and of the time.
+    spin.error = kUnit * (64.0 + 16.0 * spin.spin * (std::abs(offset) + duration_)) + m.turn_error;
+  };
+  set(a_, motion_a_, rate[0], offset_a_);
+  set(b_, motion_b_, rate[1], offset_b_);
 }
 
 RelativeMotion::HalfTurns RelativeMotion::halfTurns(double t) const {
@@ -70,8 +92,7 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
   duration_ = line.duration;
   offset_a_ = line.offset_a;
   offset_b_ = line.offset_b;
-  a_.set(a, offset_a_, duration_);
-  b_.set(b, offset_b_, duration_);
+  setSpins();
 
   d_[0] = line.d;
   d_[1] = line.rate;

@@ -110,11 +110,13 @@ class RelativeMotion {
     double offset = 0.0;                                ///< seconds from the segment's start to the piece's
     double error = 0.0;
 
-    void set(const RigidMotion& m, double offset, double duration);
     void still();
     double halfAngle(double t) const { return 0.5 * (rate * (offset + t)); }
     Mat3 at(const HalfTurn& turn) const;
   };
+
+  /// Of both motions, side by side.
+  void setSpins();
 
   RigidMotion motion_a_, motion_b_;
   double duration_ = 0.0, offset_a_ = 0.0, offset_b_ = 0.0;
