@@ -202,12 +202,21 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
                const Closest& closest, ContactWitness& witness) {
   const Cores cores(now, a, b);
   const double radius = a.radius + b.radius + piece.contact_distance;
-  if (radius > 0.0 && closeThrough(now, now, closest, closest, radius - 2.0 * piece.point_error)) {
+  const auto isClose = [&](const Closest& points) {
+    if (!closeThrough(now, now, points, points, radius - 2.0 * piece.point_error)) return false;
     witness.rounded = true;
     witness.shrunk = 0.0;
-    witness.closest = closest;
-    witness.point = sharedPoint(now, closest, (a.radius + 0.5 * piece.contact_distance) / radius);
+    witness.closest = points;
+    witness.point = sharedPoint(now, points, (a.radius + 0.5 * piece.contact_distance) / radius);
     return true;
+  };
+  if (radius > 0.0) {
+    if (isClose(closest)) return true;
+    if (closest.overlap) {
+      Closest refined = closest;
+      refineWeights(refined);
+      if (isClose(refined)) return true;
+    }
   }
   // Cores that meet touch at any distance: all that is left where the radius is within the rounding.
   if (a.count == 1 && b.count == 1) return false;  // two points: never provable

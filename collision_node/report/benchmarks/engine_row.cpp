@@ -59,18 +59,18 @@ Counts runEngine(const std::shared_ptr<const scene::Scene>& scene, int threads, 
 }
 
 void crowdLine(std::size_t count, bool only_ours, std::vector<Line>& lines) {
-  const std::vector<std::vector<scene::Sweep>> steps = traffic(count);
+  const Traffic traffic(count);
   const auto scene = std::make_shared<scene::Scene>();
   for (std::size_t i = 0; i < count; ++i)
-    scene->objects.push_back(objectOf(i, geometry::Sphere{steps[0][i].radius}));
+    scene->objects.push_back(objectOf(i, geometry::Sphere{traffic.radius[i]}));
   Counts counts;
   std::vector<std::function<void()>> calls = {[&] {
     counts = runEngine(scene, 1, kTrafficSteps, [&](std::size_t i, int step) {
-      const Vec3& at = step < kTrafficSteps ? steps[step][i].from : steps[step - 1][i].to;
-      return poseAt(kTrafficStep * step, at, geometry::Quat::Identity());
+      return poseAt(kTrafficStep * step, traffic.at[step][i], geometry::Quat::Identity());
     });
   }};
-  if (!only_ours) calls.push_back([&] { pairsInTraffic(steps); });
+  TrafficPairs alone(traffic);
+  if (!only_ours) calls.push_back([&] { alone.count(); });
   const std::vector<double> times = timeByTurns(calls);
   if (only_ours) return;
   char quality[100];

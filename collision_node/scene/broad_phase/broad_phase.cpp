@@ -157,6 +157,8 @@ bool BroadPhase::mayMeet(int a, int b) const {
   if (objects_[a].open == kStands) std::swap(a, b);
   const Object& first = objects_[a];
   const Object& second = objects_[b];
+  // What lasts meets most often.
+  if (first.open != kNone && second.open != kNone && first.box.meets(second.box)) return true;
   for (std::int32_t i = first.first; i >= 0; i = stays_[i].next) {
     const Stay& stay = stays_[i];
     if (second.open == kStands && boxes_[i].meets(second.box)) return true;
