@@ -59,17 +59,15 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
   while (t < end_ || witness) {
     if (search_.exhausted()) return true;
     if (witness) {
-      if (t - proved > longest_gap_) {
-        const Stretch stretch = between(proved, t);
-        if (stretch.kind == Stretch::kApart) {
-          witness.reset();
-          if (part(proved, proved, stretch.apart, t, witness)) return true;
-          continue;
-        }
-        if (stretch.kind == Stretch::kUnknown) {
-          openSeparation(proved);
-          contactAfterUnknown(t, *witness);
-        }
+      const Stretch stretch = between(proved, t);
+      if (stretch.kind == Stretch::kApart) {
+        witness.reset();
+        if (part(proved, proved, stretch.apart, t, witness)) return true;
+        continue;
+      }
+      if (stretch.kind == Stretch::kUnknown) {
+        openSeparation(proved);
+        contactAfterUnknown(t, *witness);
       }
       persist(t, *witness, end_);
       proved = t;
@@ -100,19 +98,16 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
       look *= kGrow;
     }
     if (at >= end_) {
-      if (end_ - proved > longest_gap_) {
-        const Stretch stretch = between(proved, end_);
-        if (stretch.kind == Stretch::kApart) {
-          if (part(proved, proved, stretch.apart, t, witness)) return true;
-          continue;
-        }
-        if (stretch.kind == Stretch::kUnknown) {
-          openSeparation(proved);
-          giveUp();
-          return false;
-        }
+      const Stretch stretch = between(proved, end_);
+      if (stretch.kind == Stretch::kApart) {
+        if (part(proved, proved, stretch.apart, t, witness)) return true;
+        continue;
       }
       openSeparation(proved);
+      if (stretch.kind == Stretch::kUnknown) {
+        giveUp();
+        return false;
+      }
       state_.phase = Phase::kUndecided;
       return waitForMore();
     }

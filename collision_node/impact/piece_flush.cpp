@@ -11,6 +11,7 @@ namespace collision_node::impact {
 /// (of a tube by 8, else the true motion might be far away). Where that ends, the gap is wide enough to be
 /// proved: clearance is looked for at instants that grow up to a bracket's width.
 PieceRun::Stretch PieceRun::between(double from, double to) {
+  if (!(to - from > longest_gap_)) return {Stretch::kClose};
   constexpr double kTubes = 8.0, kShareOfBudget = 0.25;
   const double more = kTubes * pair_.tube + kFlush * (pair_.point_error - pair_.tube);
   const PairPiece wider(pair_.a, pair_.b, pair_.motion, pair_.contact_distance + more, pair_.tube);

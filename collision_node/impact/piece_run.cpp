@@ -137,7 +137,7 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
     if (proved != Proved::kContact) proved = search_.classify(at, &found, end_);
     if (proved == Proved::kContact) {
       t = soonestContact(from, proved_nothing, at, found);
-      if (state_.was_touching && t - from > longest_gap_) {
+      if (state_.was_touching) {
         const Stretch stretch = between(from, t);
         if (stretch.kind == Stretch::kApart) {
           t = stretch.apart;

@@ -85,13 +85,14 @@ class PieceRun {
   /// finds contact again shortly before it.
   bool part(double proved, double nothing, double apart, double& t, std::optional<ContactWitness>& witness);
 
-  /// What is known of a time in which contact was not proved.
+  /// What is known of a time, between two proofs of contact or up to the end, in which nothing was proved.
   struct Stretch {
     enum Kind { kClose, kApart, kUnknown } kind;
     double apart =
         0.0;  ///< kApart: an instant from which the pair is apart for longer than a bracket's width
   };
-  /// Between two instants: close enough to contact throughout, up to gaps no longer than a bracket's width?
+  /// Is the pair close enough to contact throughout, up to gaps no longer than a bracket's width? Of a time
+  /// as short as that nothing is asked.
   Stretch between(double from, double to);
   /// Contact is proved at `at`, and was possible since `from`: an open question, and a contact of which
   /// nobody knows how it began.
