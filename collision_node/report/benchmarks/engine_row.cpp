@@ -82,7 +82,7 @@ void crowdLine(std::size_t count, bool only_ours, std::vector<Line>& lines) {
 
 /// Primitives that tumble to and fro through each other: every release has some milliseconds of work.
 void threadsLine(std::vector<Line>& lines) {
-  constexpr int kCount = 300, kSteps = 30, kRepeats = 3;
+  constexpr int kCount = 300, kSteps = 30, kRepeats = 6;  // wall time: others on the machine count
   constexpr double kStep = 0.033;
   Random random(11);
   const auto scene = std::make_shared<scene::Scene>();
