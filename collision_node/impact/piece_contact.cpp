@@ -57,9 +57,14 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
     }
   }
   while (t < end_ || witness) {
-    if (search_.exhausted()) return true;
+    if (search_.exhausted()) {  // all since the last proof is one open question
+      t = proved;
+      witness.reset();
+      return true;
+    }
     if (witness) {
       const Stretch stretch = between(proved, t);
+      if (search_.exhausted()) continue;
       if (stretch.kind == Stretch::kApart) {
         witness.reset();
         if (part(proved, proved, stretch.apart, t, witness)) return true;
@@ -69,6 +74,7 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
         openSeparation(proved);
         contactAfterUnknown(t, *witness);
       }
+      is_parting_ = false;
       persist(t, *witness, end_);
       proved = t;
       last_contact_ = {witness->element_a, witness->element_b};
@@ -88,8 +94,11 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
     if (now == Proved::kApart) {
       const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
       const bool owed = !next.found || next.time - at > width_;
-      if (owed) {
-        if (part(proved, nothing, at, t, witness)) return true;
+      if (owed) {  // and not before?
+        const Stretch stretch = between(proved, at);
+        if (search_.exhausted()) continue;
+        const bool sooner = stretch.kind == Stretch::kApart && stretch.apart < at;
+        if (part(proved, sooner ? proved : nothing, sooner ? stretch.apart : at, t, witness)) return true;
         continue;
       }
       look = std::max(next.time - proved, look * kGrow);
@@ -112,6 +121,7 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
       return waitForMore();
     }
   }
+  if (is_parting_) return false;
   openSeparation(proved);  // where the next piece would begin to look
   state_.phase = Phase::kTouching;
   return false;
@@ -168,6 +178,7 @@ void PieceRun::persist(double& t, ContactWitness& witness, double until) {
 }
 
 void PieceRun::openSeparation(double t) {
+  if (is_parting_) return;
   const PairEvent contact = state_.contact;
   open(Kind::kSeparation, t, last_contact_);
   state_.contact = contact;

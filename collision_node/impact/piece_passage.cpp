@@ -39,7 +39,7 @@ bool PieceRun::closeStraight(const PathContact& met, std::optional<ContactWitnes
 }
 
 bool PieceRun::passed(double from, double at, double& t) {
-  if (state_.was_touching || pair_.contact_distance > 0.0) return false;
+  if (state_.published || pair_.contact_distance > 0.0) return false;
   const NearPairs near = search_.nearPairs(from, at, 64);
   const double earlier = std::max(std::min(free_since_, from), from - std::max(at - from, 32.0 * floor_));
   const Instant first = pair_.at(earlier);

@@ -26,6 +26,7 @@ PieceRun::PieceRun(const PairPiece& pair, const Piece& piece, const PairOptions&
   floor_ = widths.floor;
   width_ = widths.wanted;
   longest_gap_ = std::max(width_, kBracket * floor_);
+  is_parting_ = state.phase == Phase::kUndecided && state.was_touching;
 }
 
 PieceOutcome PieceRun::run() {
@@ -57,7 +58,7 @@ PieceOutcome PieceRun::run() {
       free_since_ = t;
       open(Kind::kImpact, first.time, first.pair);
       t = first.time;
-    } else if (state_.phase == Phase::kUndecided) {
+    } else if (state_.phase == Phase::kUndecided && !state_.was_touching) {
       if (!resolve(t, witness)) break;
     } else {
       if (!follow(t, witness)) break;
@@ -121,7 +122,7 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
   const bool carried = state_.pending.interval_start_ns != piece_.start_ns;
   double proved_nothing = from;  // the last instant at which nothing was proved
   ContactWitness found;
-  const PathContact* met = carried || state_.was_touching ? nullptr : search_.provedAt(from);
+  const PathContact* met = carried ? nullptr : search_.provedAt(from);
   if (met != nullptr && closeStraight(*met, witness)) {
     t = met->upper;
     return true;
@@ -137,19 +138,6 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
     if (proved != Proved::kContact) proved = search_.classify(at, &found, end_);
     if (proved == Proved::kContact) {
       t = soonestContact(from, proved_nothing, at, found);
-      if (state_.was_touching) {
-        const Stretch stretch = between(from, t);
-        if (stretch.kind == Stretch::kApart) {
-          t = stretch.apart;
-          publishSeparation(t);
-          return true;
-        }
-        if (stretch.kind == Stretch::kUnknown) {
-          contactAfterUnknown(t, found);
-          witness = std::move(found);
-          return true;
-        }
-      }
       confirm(from, t, found, witness);
       return true;
     }
@@ -159,6 +147,15 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
         small = true;
         step = floor_;
         continue;
+      }
+      if (state_.published) {  // until now nobody knows: since when?
+        const Stretch stretch = between(from, at);
+        if (stretch.kind == Stretch::kApart && stretch.apart < at) {
+          publishPossible(stretch.apart);
+          state_.phase = Phase::kApart;
+          t = stretch.apart;
+          return true;
+        }
       }
       if (inBetween(proved_nothing, at, found)) {
         confirm(from, found_at_, found, witness);
@@ -172,14 +169,13 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
         return true;
       }
       const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
-      const double longest = state_.was_touching ? width_ : std::max(at - from, width_);
-      if (next.found && next.time - at <= longest && next.time < end_) {
+      if (next.found && next.time - at <= std::max(at - from, width_) && next.time < end_) {
         step = std::max(next.time - from,
                         step * kGrow);  // a gap shorter than the bracket: the bracket goes on
         proved_nothing = next.time;
         continue;
       }
-      publishPossible(at, true);
+      publishPossible(at);
       state_.phase = Phase::kApart;
       t = at;
       return true;
@@ -214,10 +210,6 @@ bool PieceRun::waitForMore() {
 void PieceRun::confirm(double from, double at, const ContactWitness& found,
                        std::optional<ContactWitness>& witness) {
   if (options_.scope == Scope::kWholePiece) witness = found;
-  if (state_.was_touching) {  // it never parted, as far as anybody can prove
-    state_.phase = Phase::kTouching;
-    return;
-  }
   if (state_.published) {  // the onset is an open question already published: what is proved is contact, here
     beginOverlap(at, found);
     return;
@@ -249,12 +241,15 @@ bool PieceRun::inBetween(double low, double high, ContactWitness& found) {
   return false;
 }
 
-void PieceRun::publishPossible(double at, bool proved_apart) {
+void PieceRun::publishPossible(double at) {
   if (state_.was_touching) {
-    publishSeparation(at, proved_apart);
+    publishSeparation(at, false);
     return;
   }
-  if (state_.published) return;
+  if (state_.published) {  // up to an earlier piece's end; what is open of this one is another bracket
+    if (!(at > longest_gap_)) return;
+    open(Kind::kImpact, 0.0, {});
+  }
   PairEvent event = state_.pending;
   const double from = std::max(0.0, writer_.localStart(event));
   const ElementPair pair = opened_.a >= 0 ? opened_ : writer_.anyNear(from, at);

@@ -102,7 +102,7 @@ class PieceRun {
   void publishSeparation(double at, bool apart = true);
   /// Closes the open bracket at `at`, where the pair is proved apart again or the data end, without a proof
   /// of contact.
-  void publishPossible(double at, bool proved_apart = false);
+  void publishPossible(double at);
   /// The node budget is spent: everything from `t` on is one open question.
   void stopForBudget(double t);
   /// Publishes the open bracket as POSSIBLE up to the piece's end. It holds nothing up any more; the pair is
@@ -119,6 +119,7 @@ class PieceRun {
   std::vector<PairEvent>& events_;
   const double end_;
   double floor_, width_;
+  bool is_parting_;     ///< an earlier piece has opened the separation, and no contact was proved since
   double longest_gap_;  ///< [s] that may be passed over between two proofs of contact
   ElementPair opened_;
   ElementPair last_contact_;

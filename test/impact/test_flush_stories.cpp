@@ -183,5 +183,102 @@ TEST(FlushStories, WhatCannotBeFollowedIsPossibleAndNotContact) {
   EXPECT_GT(pair.events[1].toi_upper, 0.5) << "deep again from then on at the earliest";
 }
 
+/// A small box moves at 1 m/s from x = -1 for two seconds: `before` the second one flush or deep, flush until
+/// `flush` seconds after it began, free, in contact from `bump` for `length`, free. By the second: pieces.
+struct Bump {
+  double flush, bump, length, before = 1e-9, depth = 1e-9;
+  std::vector<double> cuts = {};
+  std::uint64_t node_budget = PairOptions().node_budget;
+
+  std::unique_ptr<Watched> run() const {
+    constexpr double kHalf = 0x1p-10;
+    const auto slab = [](double from, double to, double top) {
+      return placed(Box{{to - from, 2, 1}}, Vec3(0.5 * (from + to), 0, top - 0.5));
+    };
+    PairOptions options;
+    options.node_budget = node_budget;
+    auto pair = std::make_unique<Watched>(Shapes{slab(-10, -0.5, before), slab(-0.5, flush - kHalf, 0.0),
+                                                 slab(bump + kHalf, bump + length - kHalf, depth)},
+                                          Shapes{placed(Box{Vec3::Constant(2 * kHalf)})}, options);
+    const RigidMotion slides = flight(0, 2 * kEnd, {-1, 0, kHalf}, {1, 0, 0});
+    Nanoseconds from = 0;
+    for (const double cut : cuts) {
+      const auto to = static_cast<Nanoseconds>(cut * 1e9);
+      pair->advance(from, to, resting(), slides);
+      from = to;
+    }
+    pair->advance(from, 2 * kEnd, resting(), slides);
+    pair->finish();
+    return pair;
+  }
+};
+
+double from1s(const PairEvent& e, double toi) {
+  return 1e-9 * static_cast<double>(e.interval_start_ns - kEnd) + toi;
+}
+
+TEST(FlushStories, AFreeTimeBehindAPieceThatEndedFlushIsTold) {
+  for (int i = 0; i < 60; ++i) {
+    const double flush = 0.2 * std::pow(1.3, i / 60.0);
+    Bump story{flush, 1.05 * flush, 0.15 * flush};
+    story.cuts = {1.0};
+    const auto pair = story.run();
+    ASSERT_EQ(pair->story(),
+              "INITIAL_OVERLAP CONFIRMED, SEPARATION CONFIRMED, IMPACT CONFIRMED, SEPARATION CONFIRMED")
+        << pair->list();
+    EXPECT_GE(from1s(pair->events[1], pair->events[1].toi_upper), flush);
+    EXPECT_LE(from1s(pair->events[2], pair->events[2].toi_lower), story.bump);
+    EXPECT_GE(from1s(pair->events[2], pair->events[2].toi_upper), story.bump);
+  }
+}
+
+TEST(FlushStories, AContactWithinATimeThatEndsFreeIsTold) {
+  // "Every free interval longer than W is owed a SEPARATION": not the last one alone.
+  for (int i = 0; i < 200; ++i) {
+    const double flush = 0.2 * std::pow(1.3, i / 200.0);
+    Bump story{flush, 1.12 * flush, 0.004};
+    if (i % 2 == 1) story.cuts = {1.0};
+    const auto pair = story.run();
+    ASSERT_EQ(pair->story(),
+              "INITIAL_OVERLAP CONFIRMED, SEPARATION CONFIRMED, IMPACT CONFIRMED, SEPARATION CONFIRMED")
+        << pair->list();
+  }
+}
+
+TEST(FlushStories, WhereTheBudgetEndsNoFreeTimeIsCalledContact) {
+  for (const double flush : {0.2, 0.23}) {
+    for (std::uint64_t budget = 1; budget < 600; ++budget) {
+      Bump story{flush, 1.1 * flush, 0.5};
+      story.node_budget = budget;
+      const auto pair = story.run();
+      for (const Claim& claim : claimsOf(pair->events, 2.0)) {
+        if (claim.said != Said::kTouching) continue;
+        EXPECT_LE(std::min(claim.to, 1 + story.bump) - std::max(claim.from, 1 + flush), 1e-8)
+            << "budget " << budget << '\n'
+            << pair->list();
+      }
+    }
+  }
+}
+
+TEST(FlushStories, BehindAnOpenQuestionNoContactIsPassedOver) {
+  // Flush for two pieces, so that the question is published; what is open of the third is a bracket again.
+  for (const double length : {0.01, 0.004, 0.001}) {
+    for (int i = 0; i < 100; ++i) {
+      const double flush = 0.2 * std::pow(1.3, i / 100.0);
+      Bump story{flush, 1.12 * flush, length, 0.0, 1e-4};
+      story.cuts = {0.5, 1.0};
+      const auto pair = story.run();
+      EXPECT_TRUE(std::any_of(pair->events.begin(), pair->events.end(),
+                              [&](const PairEvent& e) {
+                                return from1s(e, e.toi_lower) <= story.bump + length &&
+                                       from1s(e, e.toi_upper) >= story.bump;
+                              }))
+          << "contact on [" << story.bump << ", " << story.bump + length << "] s\n"
+          << pair->list();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace moving
