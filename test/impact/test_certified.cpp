@@ -296,6 +296,34 @@ TEST(Certified, APairThatIsStillToBePartedSpendsNoMoreThanTheBudget) {
   }
 }
 
+TEST(Certified, ABoxThatSpinsInPlaceAndBarelyReachesAWallIsDecidedInBoundedWork) {
+  // The corner that reaches farthest is not the one that is nearest now, and nothing else comes closer.
+  moving::Random random(20261127, 0);
+  constexpr double kHalf = 0.5;
+  constexpr Nanoseconds kTurnsFor = 1'000'000'000;
+  std::uint64_t most = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Vec3 axis = random.direction();
+    double reach = 0.0;  // of the circle of each corner, along x
+    for (int k = 0; k < 8; ++k) {
+      const Vec3 corner = kHalf * Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
+      const double along = corner.dot(axis);
+      reach = std::max(reach, along * axis.x() + (corner - along * axis).norm() * axis.tail<2>().norm());
+    }
+    const double depth = random.decade(-8, -4), omega = random.in(7, 30);
+    Watched pair({moving::placed(geometry::Box{{1, 8, 8}}, Vec3(reach - depth + 0.5, 0, 0))},
+                 {moving::placed(geometry::Box{Vec3::Constant(2 * kHalf)})});
+    const PieceOutcome outcome =
+        pair.advance(0, kTurnsFor, resting(), flight(0, kTurnsFor, Vec3::Zero(), Vec3::Zero(), omega * axis));
+    most = std::max(most, outcome.node_tests);
+    ASSERT_FALSE(pair.events.empty()) << "axis " << axis.transpose() << " depth " << depth;
+    EXPECT_EQ(pair.events[0].kind, Kind::kImpact) << pair.list();
+    EXPECT_EQ(pair.events[0].certificate, Certificate::kConfirmed) << pair.list();
+  }
+  EXPECT_LE(most, 20000u);
+  std::printf("%llu node tests at most\n", static_cast<unsigned long long>(most));
+}
+
 TEST(Certified, ABudgetSpentAnywhereLosesNoImpact) {
   // "Time that no event and no bracket covers is proved free of contact", wherever the budget ends.
   struct Row {

@@ -299,29 +299,32 @@ Axes featureAxes(const PairPiece& piece, const Instant& now, const Element& a, c
 COLLISION_NODE_ANY_WIDTH COLLISION_NODE_WITH_CALLS Apart apartFor(const GapModel& model, double span) {
   if (!(model.first() > 0.0) || !(span > 0.0)) return {};
   GapModel::Trend trend = model.trend(span);
-  constexpr int kRefits = 3, kMost = 14;
-  // Of a pair that recedes the chord tells nothing until the end is near.
-  const int bold = trend.slope > 0.0 ? kMost - 3 : 6;
+  constexpr int kRounds = 2, kRefits = 3, kMost = 7;
   constexpr double kInside = 1e-9, kUnsure = 0.05;
   double end = span;
-  for (int i = 0; i < kMost; ++i) {
-    if (i < kRefits) {
-      const double root = trend.root(end);
-      // What is not in the trend goes with the third power of time.
-      const double unsure = root * root * root * (trend.cubic + root * trend.quartic) / trend.first;
-      if (root < end) end = root * (1.0 - kInside - kUnsure * std::min(1.0, unsure));
-    }
-    const GapModel::Bounds bounds = model.until(end);
-    if (bounds.positive()) return {end, bounds.last, -trend.slopeAt(end)};
-    // Features changed, or nearly all of the time was asked for. The chord to the end is about where the
-    // bound comes to zero, unless the pair recedes at first.
-    const double chord = bounds.last > 0.0 ? 0.5 : 0.9 * bounds.first / (bounds.first - bounds.last);
-    const double missed = bounds.last - trend.at(end);
-    if (i + 1 < kRefits && missed < 0.0 && !(bounds.last > 0.0)) {
-      trend.bend += missed / (end * end);
-      end *= 1.0 - 1e-6;
-    } else {
-      end *= i < bold ? std::max(0.25, chord) : chord;
+  for (int round = 0; round < kRounds; ++round) {
+    if (round > 0) trend = model.trend(end);  // in so much less time other features are the farthest
+    // Of a pair that recedes the chord tells nothing until the end is near.
+    const int bold = round == 0 ? kMost : trend.slope > 0.0 ? kMost - kRefits : 0;
+    for (int i = 0; i < kMost; ++i) {
+      if (i < kRefits) {
+        const double root = trend.root(end);
+        // What is not in the trend goes with the third power of time.
+        const double unsure = root * root * root * (trend.cubic + root * trend.quartic) / trend.first;
+        if (root < end) end = root * (1.0 - kInside - kUnsure * std::min(1.0, unsure));
+      }
+      const GapModel::Bounds bounds = model.until(end);
+      if (bounds.positive()) return {end, bounds.last, -trend.slopeAt(end)};
+      // Features changed, or nearly all of the time was asked for. The chord to the end is about where the
+      // bound comes to zero, unless the pair recedes at first.
+      const double chord = bounds.last > 0.0 ? 0.5 : 0.9 * bounds.first / (bounds.first - bounds.last);
+      const double missed = bounds.last - trend.at(end);
+      if (i + 1 < kRefits && missed < 0.0 && !(bounds.last > 0.0)) {
+        trend.bend += missed / (end * end);
+        end *= 1.0 - 1e-6;
+      } else {
+        end *= i < bold ? std::max(0.25, chord) : chord;
+      }
     }
   }
   return {};
