@@ -254,11 +254,6 @@ void PieceRun::publishPossible(double at) {
   const double from = std::max(0.0, writer_.localStart(event));
   const ElementPair pair = opened_.a >= 0 ? opened_ : writer_.anyNear(from, at);
   writer_.finishImpact(event, from, at, pair, state_, opened_.a >= 0);
-  if (event.kind == Kind::kInitialOverlap) {
-    event.normal = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
-    event.normal_error = M_PI;
-    event.closing_speed = event.normal.x();
-  }
   event.certificate = Certificate::kPossible;
   event.reason = search_.exhausted() ? Reason::kBudget : Reason::kGrazing;
   events_.push_back(event);

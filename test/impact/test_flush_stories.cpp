@@ -165,6 +165,27 @@ TEST(FlushStories, NoFreeTimeIsPassedOver) {
               possible);
 }
 
+TEST(FlushStories, AnOpenOverlapHasNoNormalWhenTheDataEndEither) {
+  Watched pair({placed(Box{{1, 1, 1}})}, {placed(Box{{1, 1, 1}})});
+  pair.advance(0, kEnd, resting(), resting({0.25, 0.125, 1}));
+  pair.finish();
+  ASSERT_EQ(pair.story(), "INITIAL_OVERLAP POSSIBLE") << pair.list();
+  EXPECT_TRUE(pair.events[0].normal.array().isNaN().all()) << pair.list();
+  EXPECT_TRUE(std::isnan(pair.events[0].closing_speed)) << pair.list();
+}
+
+TEST(FlushStories, WhoTouchedOnAnEarlierPieceOfTheBracketIsSaidToBeThereToo) {
+  // Flush on one slab up to the stamp, flush and then deep on others behind it.
+  Watched pair({placed(Box{{0.25, 2, 1}}, Vec3(-0.2, 0, -0.5)), placed(Box{{0.3, 2, 1}}, Vec3(0.05, 0, -0.5)),
+                placed(Box{{1, 2, 1}}, Vec3(0.575, 0, -0.5 + 1e-6))},
+               {asKind(0, 0x1p-6)});
+  const RigidMotion slides = flight(0, 2 * kEnd, {-1, 0, 0x1p-6}, {1, 0, 0});
+  pair.advance(0, kEnd, resting(), slides);
+  pair.advance(kEnd, 2 * kEnd, resting(), slides);
+  ASSERT_FALSE(pair.events.empty());
+  EXPECT_TRUE(pair.events[0].multiple) << pair.list();
+}
+
 TEST(FlushStories, WhatCannotBeFollowedIsPossibleAndNotContact) {
   // "the time between them is a SEPARATION, POSSIBLE, and the contact behind it an INITIAL_OVERLAP": a box
   // spins on a slab a little deep, then on one that is flush.

@@ -62,6 +62,14 @@ void EventWriter::finish(PairEvent& event, const Bracket& bracket, ElementPair p
   }
   if (bracket.incoming != nullptr) takeVelocities(facts, *bracket.incoming);
   fill(event, facts, bracket.reference, bracket.upper);
+  // Who was near on earlier pieces is not asked.
+  const bool has_others = pair_.a.elementCount() > 1 || pair_.b.elementCount() > 1;
+  if (has_others && -localStart(event) > options_.time_precision) event.multiple = true;
+  if (event.kind == Kind::kInitialOverlap) {  // it tells when a contact begins, not how
+    event.normal = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+    event.normal_error = M_PI;
+    event.closing_speed = event.normal.x();
+  }
 }
 
 /// Of the material points at the contact as `incoming` ends: a cut belongs to the piece before it.
