@@ -127,6 +127,7 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
     t = met->upper;
     return true;
   }
+  bool bold = false;
   bool small = carried;  // start from the smallest step: something may be decided at once
   double step = small ? floor_ : 0.5 * width_;
   while (true) {
@@ -145,7 +146,9 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
       if (passed(from, at, t)) return true;
       if (!small && floor_ < 0.5 * step) {  // too far at once: look into what was skipped
         small = true;
-        step = floor_;
+        const bool goes_on = from - free_end_ <= width_;  // the bracket before this one was free, too
+        bold = goes_on && free_step_ > 0.0;
+        step = bold ? std::min(kBolder * free_step_, step) : floor_;
         continue;
       }
       if (state_.published) {  // until now nobody knows: since when?
@@ -165,8 +168,14 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
       if (search_.nearPairs(from, at, 1).empty() && !search_.exhausted() &&
           !carried) {  // a second look proves the bracket free
         state_.phase = Phase::kApart;
-        t = at;
+        free_step_ = at - from;
+        free_end_ = t = at;
         return true;
+      }
+      if (bold) {  // too bold
+        bold = false;
+        step = floor_;
+        continue;
       }
       const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
       if (next.found && next.time - at <= std::max(at - from, width_) && next.time < end_) {

@@ -34,6 +34,8 @@ class PieceRun {
   /// budgets wide; with this overshoot a bracket stays within eight.
   static constexpr double kGrow = 1.3;
   static constexpr double kBracket = 8.0;
+  /// Where one bracket after the other turns out to be free, each next one is looked at in longer steps.
+  static constexpr double kBolder = 2.0;
   /// [budgets] How far apart what nobody can prove may be and count as contact. Wide enough to be proved over
   /// times that are not too short.
   static constexpr double kFlush = 256.0;
@@ -119,6 +121,7 @@ class PieceRun {
   std::vector<PairEvent>& events_;
   const double end_;
   double floor_, width_;
+  double free_step_ = 0.0, free_end_ = 0.0;  ///< of the last bracket that a second look proved free
   bool is_parting_;     ///< an earlier piece has opened the separation, and no contact was proved since
   double longest_gap_;  ///< [s] that may be passed over between two proofs of contact
   ElementPair opened_;

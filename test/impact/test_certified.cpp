@@ -296,6 +296,22 @@ TEST(Certified, APairThatIsStillToBePartedSpendsNoMoreThanTheBudget) {
   }
 }
 
+TEST(Certified, ABallThatSpinsOnAFloorCostsNoMoreThanItsBounds) {
+  // Its core is a point, which does not turn, however fast and however shallow: it sinks by a picometre a
+  // second.
+  constexpr Nanoseconds kTurnsFor = 1'000'000'000;
+  for (const double spin : {0.1, 3.0, 1e3}) {
+    for (const double gap : {-1e-9, -1e-14, 0.0, 1e-14}) {
+      Watched pair({moving::placed(geometry::Box{{4, 4, 1}}, Vec3(0, 0, -0.5))},
+                   {moving::placed(geometry::Sphere{0.25})});
+      const PieceOutcome outcome =
+          pair.advance(0, kTurnsFor, resting(),
+                       flight(0, kTurnsFor, {-0.5, 0, 0.25 + gap}, {1e-3, 0, -1e-12}, {0, 0, spin}));
+      EXPECT_LE(outcome.node_tests, 1000u) << "spin " << spin << " gap " << gap << '\n' << pair.list();
+    }
+  }
+}
+
 TEST(Certified, ABoxThatSpinsInPlaceAndBarelyReachesAWallIsDecidedInBoundedWork) {
   // The corner that reaches farthest is not the one that is nearest now, and nothing else comes closer.
   moving::Random random(20261127, 0);

@@ -14,12 +14,12 @@ Vec3 differenceAt(const Instant& now, const SupportPair& p) {
   return now.d + now.rb * p.local_b - now.ra * p.local_a;
 }
 
-/// Bound of |w(t) - chord| between two instants: the exact path's second derivative, and the points' own
-/// errors.
-double chordError(const PairPiece& piece, double dt) {
+/// Bound of |w(t) - chord| between two instants, of points of the cores: the exact path's second derivative,
+/// and the points' own errors.
+double chordError(const PairPiece& piece, const Element& a, const Element& b, double dt) {
   const RelativeMotion& m = piece.motion;
   const double acceleration =
-      m.maxAcceleration() + m.spinA() * m.spinA() * piece.a.reach() + m.spinB() * m.spinB() * piece.b.reach();
+      m.maxAcceleration() + m.spinA() * m.spinA() * coreReach(a) + m.spinB() * m.spinB() * coreReach(b);
   return 0.125 * dt * dt * acceleration * (1.0 + 16.0 * kUnit) + piece.point_error;
 }
 
@@ -54,10 +54,8 @@ std::array<std::int16_t, 3> fromShortestEdges(const std::array<std::int16_t, 3>&
 }
 
 /// Every face at a known side of the origin between the two instants: Bernstein coefficients of the
-/// determinant of three chords, minus what the true paths can differ from them.
-bool wrapHolds(const PairPiece& piece, const Instant& from, const Instant& to, const Wrap& wrap,
-               double& share) {
-  const double e = chordError(piece, to.t - from.t);
+/// determinant of three chords, minus `e`, what the true paths can differ from them.
+bool wrapHolds(double e, const Instant& from, const Instant& to, const Wrap& wrap, double& share) {
   std::array<Vec3, Wrap::kMostPoints> p, q;
   for (std::size_t i = 0; i < wrap.points.size(); ++i) {
     p[i] = differenceAt(from, wrap.points[i]);
@@ -224,7 +222,7 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
   if (touchesShrunk(piece, now, a, b, closest.overlap ? closest.last : closest.v, witness)) return true;
   const auto holds = [&] {
     double share;
-    if (!wrapHolds(piece, now, now, witness.wrap, share)) return false;
+    if (!wrapHolds(piece.point_error, now, now, witness.wrap, share)) return false;
     witness.rounded = false;
     witness.shrunk = 0.0;
     // The common point: by GJK's weights where it found the origin inside, else the support of the nearest
@@ -291,9 +289,10 @@ bool touchesSliding(const PairPiece& piece, const Instant& now, const Element& a
 
 bool touchesThrough(const PairPiece& piece, const Instant& from, const Instant& to, const Element& a,
                     const Element& b, ContactWitness& witness, double& share) {
-  if (!witness.rounded) return wrapHolds(piece, from, to, witness.wrap, share);
+  const double e = chordError(piece, a, b, to.t - from.t);
+  if (!witness.rounded) return wrapHolds(e, from, to, witness.wrap, share);
   const Shrunk small(piece, a, b, witness.shrunk);
-  const double limit = small.radius - chordError(piece, to.t - from.t) - piece.point_error;
+  const double limit = small.radius - e - piece.point_error;
   share = 0.5;
   if (!(limit > 0.0)) return false;
   Closest last = closestPoints(Cores(to, small.a, small.b), witness.closest, within(limit));
