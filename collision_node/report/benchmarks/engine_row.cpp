@@ -1,9 +1,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 
 #include "collision_node/report/benchmarks/other_rows.h"
 #include "collision_node/report/benchmarks/traffic.h"
+#include "collision_node/report/made_meshes.h"
 #include "collision_node/report/random.h"
 #include "collision_node/report/scenes/building.h"
 #include "collision_node/scene/engine.h"
@@ -80,20 +82,18 @@ void crowdLine(std::size_t count, bool only_ours, std::vector<Line>& lines) {
                          times[1] / kTrafficSteps, "the broad phase alone", 0.0, quality));
 }
 
-/// Primitives that tumble to and fro through each other: every release has some milliseconds of work.
-void threadsLine(std::vector<Line>& lines) {
-  constexpr int kCount = 300, kSteps = 30, kRepeats = 6;  // wall time: others on the machine count
+/// Bodies that tumble to and fro through each other within `half` [m]: every release has some milliseconds of
+/// work.
+void threadsLine(const char* name, int count, double half,
+                 const std::function<geometry::Shape(int, Random&)>& shape, std::vector<Line>& lines) {
+  constexpr int kSteps = 30, kRepeats = 6;  // wall time: others on the machine count
   constexpr double kStep = 0.033;
   Random random(11);
   const auto scene = std::make_shared<scene::Scene>();
   std::vector<Vec3> at, velocity, spin;
-  for (int i = 0; i < kCount; ++i) {
-    const double size = random.in(0.1, 0.4);
-    const geometry::Shape shapes[] = {geometry::Box{Vec3(size, 2.0 * size, 0.5 * size)},
-                                      geometry::Cylinder{0.5 * size, 2.0 * size},
-                                      geometry::Capsule{0.4 * size, 2.0 * size}};
-    scene->objects.push_back(objectOf(static_cast<std::size_t>(i), shapes[i % 3]));
-    at.push_back(random.inBox(Vec3::Constant(-2.0), Vec3::Constant(2.0)));
+  for (int i = 0; i < count; ++i) {
+    scene->objects.push_back(objectOf(static_cast<std::size_t>(i), shape(i, random)));
+    at.push_back(random.inBox(Vec3::Constant(-half), Vec3::Constant(half)));
     velocity.push_back(random.vector(0.0, 5.0));
     spin.push_back(random.vector(0.0, 20.0));
   }
@@ -112,9 +112,9 @@ void threadsLine(std::vector<Line>& lines) {
       seconds[threads - 1] = std::min(seconds[threads - 1], taken.count());
     }
   }
-  lines.push_back(
-      lineOf("engine, 300 primitives, two threads", seconds[1], seconds[0], "one thread, wall time", 1.8,
-             std::to_string(events[1]) + " events | - | " + std::to_string(events[0]) + " events | -"));
+  lines.push_back(lineOf(
+      std::string("engine, ") + name + ", two threads", seconds[1], seconds[0], "one thread, wall time", 1.8,
+      std::to_string(events[1]) + " events | - | " + std::to_string(events[0]) + " events | -"));
 }
 
 }  // namespace
@@ -122,7 +122,18 @@ void threadsLine(std::vector<Line>& lines) {
 std::vector<Line> engineLines(bool only_ours) {
   std::vector<Line> lines;
   for (const std::size_t count : {1000, 10000}) crowdLine(count, only_ours, lines);
-  if (!only_ours) threadsLine(lines);
+  if (only_ours) return lines;
+  const auto primitive = [](int i, Random& random) -> geometry::Shape {
+    const double size = random.in(0.1, 0.4);
+    if (i % 3 == 0) return geometry::Box{Vec3(size, 2.0 * size, 0.5 * size)};
+    if (i % 3 == 1) return geometry::Cylinder{0.5 * size, 2.0 * size};
+    return geometry::Capsule{0.4 * size, 2.0 * size};
+  };
+  threadsLine("300 primitives", 300, 2.0, primitive, lines);
+  const auto mesh = [](int i, Random&) -> geometry::Shape {
+    return geometry::Mesh{noisySphere(11, static_cast<std::uint64_t>(i))};
+  };
+  threadsLine("30 meshes", 30, 3.0, mesh, lines);
   return lines;
 }
 
