@@ -126,6 +126,8 @@ TEST(Fuzz, FoundRimsOfCylindersWithinW) {
 }
 
 /// The closest vector to a needle's edge, off by rounding along the edge, showed no gap.
+TEST(Fuzz, FoundRimBesideAVertexApart) { expectNoComplaint(fuzz::makeWideCase, 1130, 3633); }
+
 TEST(Fuzz, FoundPointBesideANeedleApart) { expectNoComplaint(fuzz::makeWideCase, 5, 2878); }
 
 /// What the oracle got wrong: a graze with a deep contact soon after it is none itself; a cylinder's and a

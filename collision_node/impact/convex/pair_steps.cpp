@@ -143,6 +143,13 @@ double PairSteps::longest(const Instant& now, Axis axis, double span, Axis* prov
     if (best == 0.0) {
       for (const Axis& other : rimAxes(piece_, now, a_, b_, closest_)) propose(other);
     }
+    // Along a rim the search for the closest points may end a little before them: from elsewhere it seldom
+    // does.
+    for (int k = 0; k < 3 && best == 0.0 && plain > 0.0; ++k) {
+      const Closest again = closestPoints(cores, Vec3(Vec3::Unit(k)), {radius_});
+      if (again.overlap || !(again.v.norm() < distance_)) continue;
+      propose(axisOf(piece_, now, again, radius_ > 0.0));
+    }
   }
   return best;
 }
