@@ -126,6 +126,11 @@ TEST(Fuzz, FoundRimsOfCylindersWithinW) {
 }
 
 /// The closest vector to a needle's edge, off by rounding along the edge, showed no gap.
+TEST(Fuzz, FoundMillimetresInATriangleOfAThousandKilometresStayInContact) {
+  for (const int index : {1993, 2435, 11519, 11723, 13358})
+    expectNoComplaint(fuzz::makeWideCase, 1127, index);
+}
+
 TEST(Fuzz, FoundRimBesideAVertexApart) { expectNoComplaint(fuzz::makeWideCase, 1130, 3633); }
 
 TEST(Fuzz, FoundPointBesideANeedleApart) { expectNoComplaint(fuzz::makeWideCase, 5, 2878); }
