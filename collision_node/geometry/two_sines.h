@@ -8,8 +8,8 @@
 /// P, a multiple of x's last bit that is below 1. Q is off by 2^-88 and k Q is rounded by 2^-67: together
 /// below u/2^13. What is rounded is the last difference, by u/2 at most, since |r| < 1. Up to |r| = pi/4 and
 /// the 2^-32 by which k may be rounded to the wrong side, the power series are cut off where u/50 is left. Of
-/// the sine, what is added to r is below 0.081 and off by less than 5 u of that, and the sum is rounded by
-/// u/2: with r's own error below 1.5 u. Of the cosine, 1 - r^2/2 is off by u/4 + u/2 and the rest, below
+/// r's sine, what is added to r is below 0.081 and off by less than 5 u of that, and the sum is rounded by
+/// u/2: with r's own error below 1.5 u. Of r's cosine, 1 - r^2/2 is off by u/4 + u/2 and the rest, below
 /// 0.016, by less than 8 u of that; the sum is rounded by u/2, and r's error counts by sin(r) <= 0.71:
 /// below 1.8 u.
 #pragma once

@@ -34,7 +34,7 @@ PieceRun::Stretch PieceRun::between(double from, double to) {
         near.persist(reached, witness, to);
       } else if (search_.classify(at, &witness) == Proved::kApart) {
         const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
-        if (!next.found || next.time - at > width_) return {Stretch::kApart, at};
+        if (!next.found || next.time - t > longest_gap_) return {Stretch::kApart, at};
         reached = next.time;
       }
       look = reached > t ? 0.0 : std::max(floor_, look * kGrow);

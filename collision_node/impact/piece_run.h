@@ -90,14 +90,13 @@ class PieceRun {
   /// What is known of a time, between two proofs of contact or up to the end, in which nothing was proved.
   struct Stretch {
     enum Kind { kClose, kApart, kUnknown } kind;
-    double apart =
-        0.0;  ///< kApart: an instant from which the pair is apart for longer than a bracket's width
+    double apart = 0.0;  ///< kApart: from this instant on, for longer than a bracket may be wide
   };
   /// Is the pair close enough to contact throughout, up to gaps no longer than a bracket's width? Of a time
   /// as short as that nothing is asked.
   Stretch between(double from, double to);
-  /// Contact is proved at `at`, and was possible since `from`: an open question, and a contact of which
-  /// nobody knows how it began.
+  /// Contact is proved at `at`, and of the time since the open separation's bracket began nothing is known:
+  /// it is an open question, and what begins at `at` a contact of which nobody knows how.
   void contactAfterUnknown(double at, const ContactWitness& witness);
   void openSeparation(double t);
   /// Closes a separation's bracket at `at`. `apart`: proved there, else the question stays open.

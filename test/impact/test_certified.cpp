@@ -296,6 +296,24 @@ TEST(Certified, APairThatIsStillToBePartedSpendsNoMoreThanTheBudget) {
   }
 }
 
+TEST(Certified, APointThatAllButTouchesForAWhileCostsNoMoreThanItsBounds) {
+  // Its path ends within the rounding of a cylinder's face: brackets open one after the other, and a second
+  // look proves each of them free.
+  const auto start = Nanoseconds{1'700'000'000'893'499'737}, end = Nanoseconds{1'700'000'000'962'230'486};
+  RigidMotion path = flight(
+      start, end, {0x1.aac088f520036p-2, 0x1.82c77fe5e1b77p+0, -0x1.76e3636b89c71p-5},
+      {0, -0x1.f382a0ab1b7p-3, 0}, {0x1.13dcae9c46676p-50, 0x1.6fd0e8d05ddf3p+1, 0x1.6fd0e8d05ddf3p-52},
+      {0x1.fb6f7967c4fa2p-2, -0x1.2b9fd4cd5819p-4, -0x1.5bff5918408fcp-1, -0x1.1258dedef2bb4p-1});
+  path.c[2] = {-0x1.5b20e269c3f78p+3, -0x1.8d72f1c497829p+3, -0x1.9af0be77dd553p+5};
+  path.c[3] = {0x1.a4e12e8037b6dp+6, 0x1.135dd03715babp+7, 0x1.f23fc50b5486bp+8};
+  PairOptions options;
+  options.time_precision = 8.3828e-10;
+  Watched pair({moving::placed(geometry::Point{})},
+               {moving::placed(geometry::Cylinder{0x1.38dac18be6483p+0, 0x1.de6554fd85065p+0})}, options);
+  const PieceOutcome outcome = pair.advance(start, end, resting(), path);
+  EXPECT_LE(outcome.node_tests, 20000u) << pair.list();
+}
+
 TEST(Certified, ABallThatSpinsOnAFloorCostsNoMoreThanItsBounds) {
   // Its core is a point, which does not turn, however fast and however shallow: it sinks by a picometre a
   // second.
