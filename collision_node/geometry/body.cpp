@@ -71,7 +71,6 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   if (shapes_.empty()) throw std::invalid_argument("a body needs at least one shape");
   first_triangle_of_shape_.assign(shapes_.size(), -1);
 
-  std::vector<std::int32_t> first_vertex_of;  // of a primitive; -1 for a cylinder
   for (std::size_t s = 0; s < shapes_.size(); ++s) {
     const Pose& origin = shapes_[s].origin;
     double farthest2 = -1.0;  // of what is placed
@@ -79,22 +78,18 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       farthest2 = std::max(farthest2, p.squaredNorm());
       return origin * p;
     };
-    const auto addVertices = [&](const std::vector<Vec3>& points, double radius) {
+    const auto addVertices = [&](std::vector<Vec3> points, double radius, const Vec3& half) {
+      for (Vec3& p : points) p = place(p);
       Element e;
-      e.count = static_cast<int>(points.size());
       e.radius = radius;
       e.shape = static_cast<int>(s);
-      first_vertex_of.push_back(static_cast<std::int32_t>(primitive_vertices_.size()));
-      for (const Vec3& p : points) primitive_vertices_.push_back(place(p));
-      representatives_.push_back(primitive_vertices_.back());
-      primitives_.push_back(e);
-      frames_.push_back({origin.position, origin.orientation.toRotationMatrix(), Vec3::Zero(), false});
+      addPrimitive(e, {origin.position, half, 0.0, false, origin.orientation.toRotationMatrix()}, points);
     };
     const Shape& shape = shapes_[s].shape;
     if (std::holds_alternative<Point>(shape)) {
-      addVertices({Vec3::Zero()}, 0.0);
+      addVertices({Vec3::Zero()}, 0.0, Vec3::Zero());
     } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
-      addVertices({Vec3::Zero()}, sphere->radius);
+      addVertices({Vec3::Zero()}, sphere->radius, Vec3::Zero());
     } else if (const auto* box = std::get_if<Box>(&shape)) {
       std::vector<Vec3> corners;
       for (int i = 0; i < 8; ++i) {
@@ -102,12 +97,10 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
                                      i & 2 ? box->size.y() : -box->size.y(),
                                      i & 4 ? box->size.z() : -box->size.z()));
       }
-      addVertices(corners, 0.0);
-      frames_.back().half = 0.5 * box->size;
+      addVertices(corners, 0.0, 0.5 * box->size);
     } else if (const auto* capsule = std::get_if<Capsule>(&shape)) {
       const Vec3 half(0, 0, 0.5 * capsule->length);
-      addVertices({-half, half}, capsule->radius);
-      frames_.back().half = half;
+      addVertices({-half, half}, capsule->radius, half);
     } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
       Element e;
       e.centre = origin.position;
@@ -115,15 +108,12 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       e.rim_radius = cylinder->radius;
       e.half_length = 0.5 * cylinder->length;
       e.shape = static_cast<int>(s);
-      first_vertex_of.push_back(-1);
-      representatives_.push_back(e.centre);
-      primitives_.push_back(e);
       const Vec3 across = e.axis == Vec3::UnitZ() ? Vec3(Vec3::UnitX()) : e.axis.unitOrthogonal();
       Mat3 axes = Mat3::Zero();
       axes << across, e.axis.cross(across), e.axis;
-      frames_.push_back({e.centre, axes, Vec3::Zero(), false});
+      addPrimitive(e, {e.centre, Vec3::Zero(), 0.0, false, axes}, {});
     } else if (const auto* convex = std::get_if<Convex>(&shape)) {
-      addVertices(hullVertices(convex->mesh->vertices), 0.0);
+      addVertices(hullVertices(convex->mesh->vertices), 0.0, Vec3::Zero());
     } else {
       const TriangleMesh& mesh = *std::get<Mesh>(shape).mesh;
       const auto first_vertex = static_cast<std::int32_t>(vertices_.size());
@@ -148,14 +138,16 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   }
 
   triangle_count_ = static_cast<std::int32_t>(triangles_.size());
-  for (std::size_t p = 0; p < primitives_.size(); ++p) {
-    Element& e = primitives_[p];
-    frames_[p].aligned = frames_[p].axes == Mat3::Identity();
-    if (first_vertex_of[p] >= 0) e.vertices = &primitive_vertices_[first_vertex_of[p]];
-    if (!std::holds_alternative<Convex>(shapes_[e.shape].shape)) e.frame = &frames_[p];
-  }
+  element_count_ = triangle_count_ + static_cast<std::int32_t>(primitives_.size());
   std::vector<Bounds> boxes;
-  for (const Element& e : primitives_) boxes.push_back(boundsOf(e));
+  std::size_t hull = 0;
+  for (Primitive& p : primitives_) {
+    Element& e = p.element;
+    if (e.count > 0)
+      e.vertices = e.count > Primitive::kCorners ? hull_vertices_[hull++].data() : p.corners.data();
+    if (!std::holds_alternative<Convex>(shapes_[e.shape].shape)) e.frame = &p.frame;
+    boxes.push_back(boundsOf(e));
+  }
   if (triangles_.empty() && boxes.empty())
     throw std::invalid_argument("a body needs at least one triangle or primitive");
   std::vector<std::int32_t> order;
@@ -165,11 +157,27 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   measure();
 }
 
+void Body::addPrimitive(Element element, const CoreFrame& frame, const std::vector<Vec3>& vertices) {
+  element.count = static_cast<int>(vertices.size());
+  Primitive primitive;
+  primitive.element = element;
+  primitive.frame = frame;
+  primitive.frame.aligned = frame.axes == Mat3::Identity();
+  primitive.corners.fill(Vec3::Zero());
+  if (element.count > Primitive::kCorners)
+    hull_vertices_.push_back(vertices);
+  else
+    std::copy(vertices.begin(), vertices.end(), primitive.corners.begin());
+  primitives_.push_back(primitive);
+  representatives_.push_back(vertices.empty() ? element.centre : vertices.back());
+}
+
 void Body::resize(const Cylinder& cylinder, const Vec3& centre) {
   shapes_[0].shape = cylinder;
   shapes_[0].origin.position = centre;
-  Element& e = primitives_[0];
-  e.centre = representatives_[0] = frames_[0].centre = centre;
+  Element& e = primitives_[0].element;
+  CoreFrame& frame = primitives_[0].frame;
+  e.centre = representatives_[0] = frame.centre = centre;
   e.rim_radius = cylinder.radius;
   e.half_length = 0.5 * cylinder.length;
   bvh_.replaceOnly(boundsOf(e));
@@ -181,21 +189,24 @@ void Body::measure() {
   const Vec3 c = centre();
   double radius2 = 0.0;
   for (const Vec3& v : vertices_) radius2 = std::max(radius2, (v - c).squaredNorm());
-  for (const Vec3& v : primitive_vertices_) radius2 = std::max(radius2, (v - c).squaredNorm());
-  radius_ = std::sqrt(radius2);
-  double grown = 0.0, farthest = 0.0;
-  for (const Element& e : primitives_) {
+  double grown = 0.0, farthest = 0.0, round = 0.0;
+  for (Primitive& p : primitives_) {
+    const Element& e = p.element;
     grown = std::max(grown, e.radius);
     double core = 0.0;
     if (e.vertices == nullptr) {
       const double half = std::hypot(e.rim_radius, e.half_length);
-      radius_ = std::max(radius_, (e.centre - c).norm() + half);
+      round = std::max(round, (e.centre - c).norm() + half);
       core = e.centre.norm() + half;
     }
-    for (int i = 0; i < e.count; ++i) core = std::max(core, e.vertices[i].norm());
+    for (int i = 0; i < e.count; ++i) {
+      radius2 = std::max(radius2, (e.vertices[i] - c).squaredNorm());
+      core = std::max(core, e.vertices[i].norm());
+    }
+    p.frame.reach = core;
     farthest = std::max(farthest, core + e.radius);
   }
-  radius_ = (radius_ + grown) * kUp + 4e-16 * c.norm();
+  radius_ = (std::max(std::sqrt(radius2), round) + grown) * kUp + 4e-16 * c.norm();
   // Primitives know better than their boxes' corners.
   reach_ = triangle_count_ > 0 ? bvh_[Bvh::kRoot].reach : farthest * kUp;
 }
@@ -235,7 +246,7 @@ const WideBvh& Body::buildWide() const {
 }
 
 int Body::shapeOf(std::int32_t id) const {
-  if (id >= triangle_count_) return primitives_[id - triangle_count_].shape;
+  if (id >= triangle_count_) return primitive(id).shape;
   int shape = static_cast<int>(first_triangle_of_shape_.size()) - 1;
   while (first_triangle_of_shape_[shape] < 0 || first_triangle_of_shape_[shape] > triangles_[id].loaded)
     --shape;
@@ -247,7 +258,7 @@ std::int32_t Body::triangleOf(std::int32_t id) const {
 }
 
 Element Body::element(std::int32_t id, Vec3* buffer) const {
-  if (id >= triangle_count_) return primitives_[id - triangle_count_];
+  if (id >= triangle_count_) return primitive(id);
   const Triangle& t = triangles_[id];
   for (int i = 0; i < 3; ++i) buffer[i] = vertices_[t.v[i]];
   Element e;

@@ -1,6 +1,7 @@
 /// One link as the solver sees it: convex elements in the object's frame under a bounding volume hierarchy.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -17,9 +18,10 @@ namespace collision_node::geometry {
 /// lengths `half`, which a segment has along z only; a cylinder has its axis along z and `half` unused.
 struct CoreFrame {
   Vec3 centre;   ///< [m], object frame
-  Mat3 axes;     ///< columns, orthonormal to rounding
   Vec3 half;     ///< [m]
-  bool aligned;  ///< the axes are the object\'s own
+  double reach;  ///< largest distance of a point of the core from the object's origin, to rounding [m]
+  bool aligned;  ///< the axes are the object's own
+  Mat3 axes;     ///< columns, orthonormal to rounding
 };
 
 /// A convex set: the hull of `count` vertices, or a solid cylinder, grown by `radius` in all directions.
@@ -52,9 +54,7 @@ class Body {
   void resize(const Cylinder& cylinder, const Vec3& centre);
 
   const std::vector<PlacedShape>& shapes() const { return shapes_; }
-  std::int32_t elementCount() const {
-    return triangle_count_ + static_cast<std::int32_t>(primitives_.size());
-  }
+  std::int32_t elementCount() const { return element_count_; }
   /// Elements below this are triangles, the others primitives.
   std::int32_t triangleCount() const { return triangle_count_; }
   /// For paths of points and spheres past a body of triangles only; built by the first call, from any thread.
@@ -66,7 +66,13 @@ class Body {
   Element element(std::int32_t id, Vec3* buffer) const;
   /// The same for what is no triangle.
   const Element& primitive(std::int32_t id) const {
-    return primitives_[static_cast<std::size_t>(id - triangle_count_)];
+    return primitives_[static_cast<std::size_t>(id - triangle_count_)].element;
+  }
+  /// Asks for what a query of the first primitive will look at.
+  void prefetch() const {
+    if (primitives_.empty()) return;
+    const char* const first = reinterpret_cast<const char*>(primitives_.data());
+    for (std::size_t line = 0; line < sizeof(Primitive); line += 64) __builtin_prefetch(first + line);
   }
   int shapeOf(std::int32_t id) const;              ///< index into shapes()
   std::int32_t triangleOf(std::int32_t id) const;  ///< index into its mesh's triangles
@@ -83,26 +89,37 @@ class Body {
   double radius() const { return radius_; }  ///< of the bounding sphere about centre() [m]
 
  private:
+  /// What is no triangle, and what a query of it looks at, in one place.
+  struct alignas(64) Primitive {
+    static constexpr int kCorners = 8;
+
+    Element element;
+    CoreFrame frame;
+    std::array<Vec3, kCorners> corners;  ///< where there are no more: hull_vertices_ has the others
+  };
+
+  /// `vertices` in the object's frame; none for a cylinder. Where they are kept is known when all are there.
+  void addPrimitive(Element element, const CoreFrame& frame, const std::vector<Vec3>& vertices);
   void storeInOrderOfTheTree(const std::vector<std::int32_t>& order);
   /// Sets radius_ and reach_.
   void measure();
   const WideBvh& buildWide() const;
 
-  std::vector<PlacedShape> shapes_;
+  // What a query of a primitive asks comes first, and so lies together.
+  double radius_ = 0.0, reach_ = 0.0, placing_error_ = 0.0;
+  std::int32_t triangle_count_ = 0, element_count_ = 0;
+  std::vector<Primitive> primitives_;
+  mutable std::atomic<const WideBvh*> wide_ready_{nullptr};
+  Bvh bvh_;
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;
-  std::vector<std::int32_t> first_triangle_of_shape_;  ///< as loaded; -1: not a mesh
-  std::vector<Element> primitives_;
-  std::vector<Vec3> primitive_vertices_;
-  std::vector<CoreFrame> frames_;  ///< of each primitive
-  Bvh bvh_;
   std::vector<int> solids_;
   std::vector<Vec3> representatives_;
-  double radius_ = 0.0, reach_ = 0.0, placing_error_ = 0.0;
-  std::int32_t triangle_count_ = 0;
+  std::vector<std::vector<Vec3>> hull_vertices_;
+  std::vector<std::int32_t> first_triangle_of_shape_;  ///< as loaded; -1: not a mesh
+  std::vector<PlacedShape> shapes_;
   mutable std::once_flag wide_built_;
   mutable std::unique_ptr<const WideBvh> wide_;
-  mutable std::atomic<const WideBvh*> wide_ready_{nullptr};
 };
 
 }  // namespace collision_node::geometry

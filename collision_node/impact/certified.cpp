@@ -24,7 +24,11 @@ Workspace& ownWorkspace() {
 std::optional<PieceOutcome> withoutSearch(const Body& a, const Body& b, const Piece& piece,
                                           const PairOptions& options, bool known_apart,
                                           std::vector<PairEvent>* events) {
-  if (auto outcome = shoot(a, b, piece, options, known_apart, events)) return outcome;
+  a.prefetch();
+  b.prefetch();
+  if (a.triangleCount() + b.triangleCount() > 0) {
+    if (auto outcome = shoot(a, b, piece, options, known_apart, events)) return outcome;
+  }
   if (!outOfReach(a, b, piece, options.contact_distance)) return std::nullopt;
   PieceOutcome outcome;
   outcome.answer = Answer::kCulled;

@@ -57,11 +57,12 @@ ClampingCore::Stretch ClampingCore::stretch(const Vec3& x) const {
 }
 
 /// Newton's method on half the derivative of the squared distance, which grows along the edge; halving where
-/// it leaves what is known to hold the root.
+/// it leaves what is known to hold the root. Of an edge that grazes a curved side the root is threefold, and
+/// each step two thirds of the one before: three of them are one.
 double ClampingCore::nearestShare(const Vec3& x, const Vec3& edge, double guess) const {
   constexpr int kMost = 64;
   constexpr double kClose = 1e-10;  // another step of Newton squares it
-  double low = -1.0, high = 2.0, share = std::clamp(guess, 0.0, 1.0);
+  double low = -1.0, high = 2.0, share = std::clamp(guess, 0.0, 1.0), before = 0.0;
   for (int i = 0; i < kMost; ++i) {
     const Seen seen = see(x + share * edge, edge);
     const double slope = seen.offset.dot(edge);
@@ -69,7 +70,10 @@ double ClampingCore::nearestShare(const Vec3& x, const Vec3& edge, double guess)
     low = slope > 0.0 ? low : share;
     if (slope == 0.0 || high <= 0.0 || low >= 1.0) return share;
     const double step = seen.bend > 0.0 ? -slope / seen.bend : 0.0;
-    double next = std::clamp(share + step, 0.0, 1.0);
+    const bool grazes =
+        round && step * before > 0.0 && std::abs(3.0 * step - 2.0 * before) < 0.2 * std::abs(before);
+    before = step;
+    double next = std::clamp(share + (grazes ? 3.0 * step : step), 0.0, 1.0);
     if (std::abs(next - share) <= kClose) return next;
     if (!(next > low && next < high)) next = 0.5 * (std::max(low, 0.0) + std::min(high, 1.0));
     share = next;

@@ -26,7 +26,7 @@ CorePair::CorePair(const Element& a, const Element& b)
       radius_(a.radius + b.radius),
       has_hull_(a.frame == nullptr || b.frame == nullptr),
       hull_{a.frame == nullptr ? &a : nullptr, b.frame == nullptr ? &b : nullptr} {
-  static const geometry::CoreFrame kNone{Vec3::Zero(), Mat3::Identity(), Vec3::Zero(), true};
+  static const geometry::CoreFrame kNone{Vec3::Zero(), Vec3::Zero(), 0.0, true, Mat3::Identity()};
   const geometry::CoreFrame &frame_a = hull_[0] ? kNone : *a.frame, &frame_b = hull_[1] ? kNone : *b.frame;
   centre_ = TwoVec3(frame_a.centre, frame_b.centre);
   half_ = TwoVec3(frame_a.half, frame_b.half);

@@ -192,10 +192,7 @@ Closest slidingClosest(const Cores& cores) {
 }  // namespace
 
 double coreReach(const Element& e) {
-  if (e.vertices == nullptr)
-    return e.centre.norm() + std::sqrt(e.rim_radius * e.rim_radius + e.half_length * e.half_length);
-  if (e.frame != nullptr)
-    return ((e.frame->axes.transpose() * e.frame->centre).cwiseAbs() + e.frame->half).norm();
+  if (e.frame != nullptr) return e.frame->reach;
   double reach2 = 0.0;
   for (int i = 0; i < e.count; ++i) reach2 = std::max(reach2, e.vertices[i].squaredNorm());
   return std::sqrt(reach2);

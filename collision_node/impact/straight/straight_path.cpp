@@ -34,9 +34,9 @@ inline bool isStraight(const motion::RigidMotion& m) { return areZero(m.c[2].dat
 
 }  // namespace
 
-__attribute__((flatten)) std::optional<StraightPath> StraightPath::of(const Body& a, const Body& b,
-                                                                      const Piece& piece,
-                                                                      double contact_distance) {
+__attribute__((flatten)) std::optional<StraightPath> StraightPath::pastMesh(const Body& a, const Body& b,
+                                                                            const Piece& piece,
+                                                                            double contact_distance) {
   if (piece.tube > 0.0 || piece.end_ns <= piece.start_ns) return std::nullopt;
   const bool point_is_a = a.triangleCount() == 0;
   const Body &single = point_is_a ? a : b, &mesh = point_is_a ? b : a;

@@ -25,7 +25,10 @@ class StraightPath {
   /// and both positions linear in time. The vertex's own spin matters only where it is off its object's
   /// origin. The bodies must outlive the path.
   static std::optional<StraightPath> of(const Body& a, const Body& b, const Piece& piece,
-                                        double contact_distance);
+                                        double contact_distance) {
+    if (a.triangleCount() + b.triangleCount() == 0) return std::nullopt;  // most pairs of primitives
+    return pastMesh(a, b, piece, contact_distance);
+  }
 
   struct Pair {
     const Body &a, &b;
@@ -64,6 +67,8 @@ class StraightPath {
   static constexpr double kTurnError = 64.0 * kUnit;
 
  private:
+  static std::optional<StraightPath> pastMesh(const Body& a, const Body& b, const Piece& piece,
+                                              double contact_distance);
   class PointVisitor;
   class SphereVisitor;
   void firstOfPoint(double from, double to, double width, PathContact& contact, Lanes lanes) const;
