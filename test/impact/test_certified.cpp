@@ -358,6 +358,37 @@ TEST(Certified, ABoxThatSpinsInPlaceAndBarelyReachesAWallIsDecidedInBoundedWork)
   std::printf("%llu node tests at most\n", static_cast<unsigned long long>(most));
 }
 
+TEST(Certified, AMeshAsSmallAsItsRoundingEntersASolidWithinW) {
+  // No pair of triangles so narrow can be proved to meet; their points can be proved to be inside (inside.h).
+  // W is DESIGN section 5's: eight budgets over the closing speed.
+  constexpr double kSolid = 1e6, kSpeed = 1000.0, kAbove = 10.0;  // [m], [m/s], [m]
+  for (const double budgets : {0.3, 1.0, 3.0, 5.0, 8.0, 12.0, 20.0, 40.0}) {
+    const RigidMotion falls =
+        flight(0, kFrame, {3e5, 1e5, kSolid + kAbove}, {0, 0, -kSpeed}, {0.4, 0.3, 0.1});
+    const geometry::Body solid({moving::boxMesh(Vec3::Constant(kSolid))});
+    const auto upright = [](double half) {  // a strip of narrow rows
+      constexpr int kRows = 20;
+      std::vector<Vec3> vertices;
+      std::vector<moving::Corners> triangles;
+      for (int i = 0; i <= kRows; ++i) {
+        const double z = half * (2.0 * i / kRows - 1.0);
+        vertices.insert(vertices.end(), {{-half, 0, z}, {half, 0, z}});
+        const int k = 2 * i;
+        if (i < kRows) triangles.insert(triangles.end(), {{k, k + 1, k + 3}, {k, k + 3, k + 2}});
+      }
+      return moving::mesh(vertices, triangles);
+    };
+    const geometry::Body speck({upright(1e-9)});
+    const double budget = PairPiece(solid, speck, {0, kFrame, resting(), falls}, 0.0).point_error;
+    const double half = 0.5 * budgets * budget;
+    Watched pair({moving::boxMesh(Vec3::Constant(kSolid))}, {upright(half)});
+    pair.advance(0, kFrame, resting(), falls);
+    ASSERT_EQ(pair.story(), "IMPACT CONFIRMED") << budgets << '\n' << pair.list();
+    EXPECT_LE(moving::widthOf(pair.events[0]), 8.0 * budget / kSpeed) << budgets << '\n' << pair.list();
+    EXPECT_TRUE(holds(pair.events[0], 0, kAbove / kSpeed, 2.0 * half / kSpeed)) << budgets << pair.list();
+  }
+}
+
 TEST(Certified, ABudgetSpentAnywhereLosesNoImpact) {
   // "Time that no event and no bracket covers is proved free of contact", wherever the budget ends.
   struct Row {

@@ -13,6 +13,7 @@ import pathlib
 import signal
 import sys
 import tempfile
+import xmlrpc.client
 
 from comparison import replayed, told
 from processes import Children, free_port, wait
@@ -154,6 +155,11 @@ class Live:
     def count(self, key):
         return int(self.numbers.get(key, 0))
 
+    def called(self):
+        """The topics on which the node is connected to a publisher."""
+        node = xmlrpc.client.ServerProxy(self.master.lookupNode('/collision_node'))
+        return {link[4] for link in node.getBusInfo('/sources_test')[2] if link[2] == 'i'}
+
     def load(self, messages):
         """Another scene: whatever is open of the old one ends, and its epoch with it."""
         import rospy
@@ -162,6 +168,8 @@ class Live:
             sys.exit('the scene was refused: ' + answer.message)
         for publisher in self.publishers.values():
             publisher.unregister()
+        # A publisher that comes back while the node still hangs up on it would not be called again.
+        wait(self.children, 'the node to hang up', lambda: not self.called() & set(self.publishers))
         kinds = dict((topic, type(message)) for topic, message in messages)
         self.publishers = {topic: rospy.Publisher(topic, kind, queue_size=100000) for topic, kind in kinds.items()}
         wait(self.children, 'connections', lambda: all(

@@ -94,22 +94,42 @@ bool windingAlong(const Body& body, int solid, const Vec3& p, const Vec3& u, dou
   return true;
 }
 
-/// `place` takes the other body's points into this one's frame.
-template <typename Place>
-Where anyInside(const Body& body, const Body& other, const Place& place, double error, Vec3* found) {
+/// A point of one body, turned into the other's frame: off by the pose errors, times the other's reach where
+/// it is within that; farther out its distance alone proves it outside.
+Vec3 seenByOther(const Instant& now, bool of_a, const Vec3& x) {
+  return of_a ? Vec3(now.rb.transpose() * (now.ra * x - now.d))
+              : Vec3(now.ra.transpose() * (now.d + now.rb * x));
+}
+
+Where inAnySolid(const PairPiece& piece, const Instant& now, bool of_a, const Vec3& x, Vec3* held) {
+  const Body& other = of_a ? piece.b : piece.a;
+  const Vec3 p = seenByOther(now, of_a, x);
   Where answer = Where::kOutside;
-  for (const int solid : body.solids()) {
-    for (const Vec3& x : other.representatives()) {
-      const Vec3 p = place(x);
-      const Where where = whereIn(body, solid, p, error);
-      if (where == Where::kInside) {
-        *found = p;
-        return where;
-      }
-      if (where == Where::kUnknown) answer = where;
+  for (const int solid : other.solids()) {
+    const Where where = whereIn(other, solid, p, piece.point_error);
+    if (where == Where::kInside) {
+      *held = of_a ? Vec3(now.d + now.rb * p) : Vec3(now.ra * p);
+      return where;
     }
+    if (where == Where::kUnknown) answer = where;
   }
   return answer;
+}
+
+/// [m] Where it is narrowest, or more if it is no triangle.
+double widthOf(const Element& e) {
+  if (e.vertices == nullptr) return 2.0 * (e.rim_radius + e.half_length);
+  double longest = 0.0;
+  for (int i = 1; i < e.count; ++i) longest = std::max(longest, (e.vertices[i] - e.vertices[0]).norm());
+  if (e.count != 3) return 2.0 * (longest + e.radius);
+  const Vec3 u = e.vertices[1] - e.vertices[0], v = e.vertices[2] - e.vertices[0];
+  longest = std::max(longest, (u - v).norm());
+  return longest > 0.0 ? u.cross(v).norm() / longest : 0.0;
+}
+
+bool isNarrow(const PairPiece& piece, const Element& e) {
+  constexpr double kNarrow = 16.0;
+  return widthOf(e) <= kNarrow * piece.point_error;
 }
 
 }  // namespace
@@ -125,29 +145,32 @@ Where whereIn(const Body& body, int solid, const Vec3& point, double error) {
   return Where::kUnknown;
 }
 
-Where containment(const PairPiece& piece, const Instant& now, Vec3* held) {
-  if (piece.a.solids().empty() && piece.b.solids().empty()) return Where::kOutside;
-  // A point of the one, turned into the other's frame: off by the pose errors, times the other's reach where
-  // it is within that; farther out its distance alone proves it outside.
-  const double error = piece.point_error;
-  Where answer = Where::kOutside;
-  Vec3 found;
-  if (!piece.b.solids().empty()) {
-    const auto place = [&](const Vec3& x) -> Vec3 { return now.rb.transpose() * (now.ra * x - now.d); };
-    answer = anyInside(piece.b, piece.a, place, error, &found);
-    if (answer == Where::kInside) {
-      *held = now.d + now.rb * found;
-      return answer;
+bool mayHide(const PairPiece& piece, const Element& a, const Element& b) {
+  return (!piece.b.solids().empty() && isNarrow(piece, a)) ||
+         (!piece.a.solids().empty() && isNarrow(piece, b));
+}
+
+bool holdsHidden(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, Vec3* held) {
+  for (const bool of_a : {true, false}) {
+    const Element& e = of_a ? a : b;
+    if (!isNarrow(piece, e)) continue;
+    const Vec3* const points = e.vertices != nullptr ? e.vertices : &e.centre;
+    for (int i = 0; i < std::max(e.count, 1); ++i) {
+      if (inAnySolid(piece, now, of_a, points[i], held) == Where::kInside) return true;
     }
   }
-  if (!piece.a.solids().empty()) {
-    const auto place = [&](const Vec3& y) -> Vec3 { return now.ra.transpose() * (now.d + now.rb * y); };
-    const Where other = anyInside(piece.a, piece.b, place, error, &found);
-    if (other == Where::kInside) {
-      *held = now.ra * found;
-      return other;
+  return false;
+}
+
+Where containment(const PairPiece& piece, const Instant& now, Vec3* held) {
+  Where answer = Where::kOutside;
+  for (const bool of_a : {true, false}) {
+    if ((of_a ? piece.b : piece.a).solids().empty()) continue;
+    for (const Vec3& x : (of_a ? piece.a : piece.b).representatives()) {
+      const Where where = inAnySolid(piece, now, of_a, x, held);
+      if (where == Where::kInside) return where;
+      if (where == Where::kUnknown) answer = where;
     }
-    if (other == Where::kUnknown) answer = other;
   }
   return answer;
 }

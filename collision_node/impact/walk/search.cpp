@@ -326,6 +326,7 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
     std::size_t wanted;
     std::vector<ContactWitness>& found;
     bool undecided = false;
+    boost::container::static_vector<ElementPair, 8> hidden;
     double unresolved(double) {
       undecided = true;
       return -kInfinity;
@@ -342,6 +343,7 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
           return kInfinity;
         case Proved::kNothing:
           undecided = true;
+          if (hidden.size() < hidden.capacity() && mayHide(search.piece_, a, b)) hidden.push_back({ea, eb});
           return kInfinity;
         case Proved::kContact:
           break;
@@ -354,15 +356,25 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
   };
   constexpr std::size_t kCandidates = 64;
   found_.clear();
-  Leaf leaf{*this, piece_.at(t), horizon > 0.0 ? kCandidates : 1, found_, false};
+  Leaf leaf{*this, piece_.at(t), horizon > 0.0 ? kCandidates : 1, found_, false, {}};
   walk(t, t, false, leaf);
   if (!found_.empty()) {
     if (horizon > 0.0 && longestLasting(t, horizon, witness)) return Proved::kContact;
     *witness = found_[0];
     return Proved::kContact;
   }
-  if (leaf.undecided) return Proved::kNothing;
   Vec3 held = Vec3::Zero();
+  if (leaf.undecided) {
+    for (const ElementPair& pair : leaf.hidden) {
+      const ElementView a(piece_.a, pair.a), b(piece_.b, pair.b);
+      ++node_tests_;
+      if (!holdsHidden(piece_, leaf.now, *a, *b, &held)) continue;
+      witness->clear();
+      witness->point = held;
+      return Proved::kContact;
+    }
+    return Proved::kNothing;
+  }
   switch (containment(piece_, leaf.now, &held)) {
     case Where::kOutside:
       return Proved::kApart;
