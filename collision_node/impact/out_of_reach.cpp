@@ -8,8 +8,7 @@ namespace collision_node::impact {
 
 bool outOfReach(const Body& a, const Body& b, const Piece& piece, double contact_distance) {
   const motion::RigidMotion &ma = piece.a, &mb = piece.b;
-  const auto straight = [](const motion::RigidMotion& m) { return m.c[2].isZero(0.0) && m.c[3].isZero(0.0); };
-  if (!straight(ma) || !straight(mb)) return false;
+  if (!ma.isStraight() || !mb.isStraight()) return false;
   const motion::LinearPart line(ma, mb, piece.start_ns, piece.end_ns);
   const double size = line.magnitude(ma, mb) + (ma.c[1].norm() + mb.c[1].norm()) * line.reach;
   const double reach = (a.reach() + b.reach() + contact_distance + a.placingError() + b.placingError() +

@@ -100,8 +100,7 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
   d_[3] = Vec3::Zero();
   const double oa = offset_a_, ob = offset_b_, reach = line.reach, line_rate = line.rate.norm();
   const double speed_a = a.c[1].norm(), speed_b = b.c[1].norm();
-  const bool straight_a = a.c[2].isZero(0.0) && a.c[3].isZero(0.0),
-             straight_b = b.c[2].isZero(0.0) && b.c[3].isZero(0.0);
+  const bool straight_a = a.isStraight(), straight_b = b.isStraight();
   // Every term that was rounded, at its largest over both segments' shares of time. What both objects have in
   // common never was, but for the rounding of each one's own coefficients: a line's velocity (difference,
   // duration, quotient), and what a cubic's bend owes to the velocities it is computed from.

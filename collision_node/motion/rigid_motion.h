@@ -2,9 +2,23 @@
 /// axis.
 #pragma once
 
+#include <cstdint>
+#include <cstring>
+
 #include "collision_node/motion/stamped_pose.h"
 
 namespace collision_node::motion {
+
+/// Are all of these zero, of either sign? Without a branch for each; NaN is not zero.
+inline bool areZero(const double* numbers, int count) {
+  std::uint64_t all = 0;
+  for (int i = 0; i < count; ++i) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, numbers + i, sizeof bits);
+    all |= bits;
+  }
+  return all << 1 == 0;
+}
 
 /// s = seconds since start_ns:  p(s) = c[0] + c[1] s + c[2] s^2 + c[3] s^3,  q(s) = exp(omega s) q0  (world
 /// axes). `c[0]` and `q0` are the segment's first pose, unrounded. A fixed object has stamps 0 and only c[0],
@@ -24,6 +38,8 @@ struct RigidMotion {
   Pose at(double s, double sine, double cosine) const;
   Vec3 positionAt(double s) const { return c[0] + s * (c[1] + s * (c[2] + s * c[3])); }
   Vec3 velocity(double s) const { return c[1] + s * (2.0 * c[2] + 3.0 * s * c[3]); }
+  bool isStraight() const { return areZero(c[2].data(), 3) && areZero(c[3].data(), 3); }  ///< and uniform
+  bool turns() const { return !areZero(omega.data(), 3); }
 };
 
 RigidMotion fixedAt(const Pose& pose);

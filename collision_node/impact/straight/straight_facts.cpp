@@ -83,7 +83,7 @@ Feature sharedFeature(const PathContact& contact) {
 }
 
 Pose poseAt(const motion::RigidMotion& motion, double s) {
-  if (motion.omega.isZero(0.0)) return {motion.c[0] + s * motion.c[1], motion.q0};
+  if (!motion.turns()) return {motion.c[0] + s * motion.c[1], motion.q0};
   return motion.at(s);
 }
 

@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <limits>
 
 namespace collision_node::impact {
@@ -17,20 +15,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSlowest = 1e-150;  ///< [m/s] below, reciprocals of velocities might overflow
 constexpr double kUp = 1.0 + 64.0 * kUnit;
 
-/// Without a branch for each number; NaN is not zero.
-inline bool areZero(const double* numbers, int count) {
-  std::uint64_t all = 0;
-  for (int i = 0; i < count; ++i) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, numbers + i, sizeof bits);
-    all |= bits;
-  }
-  return all << 1 == 0;  // but for the sign
-}
-inline bool isZero(const Vec3& v) { return areZero(v.data(), 3); }
-
-inline bool isStill(const motion::RigidMotion& m) { return isZero(m.omega); }
-inline bool isStraight(const motion::RigidMotion& m) { return areZero(m.c[2].data(), 6); }
+bool isZero(const Vec3& v) { return motion::areZero(v.data(), 3); }
 
 }  // namespace
 
@@ -43,10 +28,10 @@ __attribute__((flatten)) std::optional<StraightPath> StraightPath::pastMesh(cons
   if (single.triangleCount() != 0 || single.elementCount() != 1) return std::nullopt;
   if (mesh.triangleCount() == 0 || mesh.triangleCount() != mesh.elementCount()) return std::nullopt;
   const motion::RigidMotion &flies = point_is_a ? piece.a : piece.b, &rests = point_is_a ? piece.b : piece.a;
-  if (!isStraight(flies) || !isStraight(rests) || !isStill(rests)) return std::nullopt;
+  if (!flies.isStraight() || !rests.isStraight() || rests.turns()) return std::nullopt;
   const Element& point = single.primitive(0);
   if (point.vertices == nullptr || point.count != 1) return std::nullopt;
-  if (!isStill(flies) && !isZero(point.vertices[0])) return std::nullopt;
+  if (flies.turns() && !isZero(point.vertices[0])) return std::nullopt;
   const double speed2 = (flies.c[1] - rests.c[1]).squaredNorm();
   if (!(speed2 > kSlowest * kSlowest && speed2 < kInfinity)) return std::nullopt;
   return std::optional<StraightPath>(std::in_place, Pair{a, b, piece, contact_distance, point_is_a});
@@ -68,7 +53,7 @@ StraightPath::StraightPath(const Pair& pair)
   p_ = sign * line_.d;
   v_ = sign * line_.rate;
   if (!isZero(vertex)) p_ += flies.q0.normalized().toRotationMatrix() * vertex;
-  turned_ = !areZero(rests.q0.coeffs().data(), 3);
+  turned_ = !motion::areZero(rests.q0.coeffs().data(), 3);
   if (turned_) {
     to_world_ = rests.q0.normalized().toRotationMatrix();
     p_ = to_world_.transpose() * p_;

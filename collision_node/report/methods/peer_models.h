@@ -51,10 +51,6 @@ inline geometry::Pose placeB(const impact::Piece& piece, double seconds) {
   return near.at(leadOf(near, piece) + seconds);
 }
 
-inline bool isStraight(const motion::RigidMotion& motion) {
-  return motion.fixed || (motion.c[2].isZero(0.0) && motion.c[3].isZero(0.0));
-}
-
 /// Whether `holds(query)` for all of a set.
 template <typename Test>
 bool all(const QuerySet& set, Test&& holds) {
@@ -63,15 +59,12 @@ bool all(const QuerySet& set, Test&& holds) {
 
 /// Straight paths throughout.
 inline bool isStraight(const QuerySet& set) {
-  return all(set, [](const Query& query) { return isStraight(query.piece.a) && isStraight(query.piece.b); });
+  return all(set, [](const Query& q) { return q.piece.a.isStraight() && q.piece.b.isStraight(); });
 }
 
 /// Straight paths and no turning at all.
 inline bool translates(const QuerySet& set) {
-  const auto still = [](const Query& query) {
-    return query.piece.a.omega.isZero(0.0) && query.piece.b.omega.isZero(0.0);
-  };
-  return isStraight(set) && all(set, still);
+  return isStraight(set) && all(set, [](const Query& q) { return !q.piece.a.turns() && !q.piece.b.turns(); });
 }
 
 /// B's origin in A's frame at the piece's start and end; for a set that translates.

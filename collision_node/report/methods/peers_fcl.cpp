@@ -127,7 +127,7 @@ class FclAdvancement : public FclModels {
   }
   /// Bound of the acceleration until then.
   static double bend(const motion::RigidMotion& motion, double s) {
-    return isStraight(motion) ? 0.0 : 2.0 * motion.c[2].norm() + 6.0 * s * motion.c[3].norm();
+    return motion.isStraight() ? 0.0 : 2.0 * motion.c[2].norm() + 6.0 * s * motion.c[3].norm();
   }
 
   double gap_;  // [m]
