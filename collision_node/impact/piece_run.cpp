@@ -137,6 +137,7 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
     Proved proved = Proved::kNothing;
     if (opened_.a >= 0) proved = search_.classifyPair(at, opened_, &found);
     if (proved != Proved::kContact) proved = search_.classify(at, &found, end_);
+    if (proved == Proved::kNothing && search_.holdsHidden(at, &found)) proved = Proved::kContact;
     if (proved == Proved::kContact) {
       t = soonestContact(from, proved_nothing, at, found);
       confirm(from, t, found, witness);

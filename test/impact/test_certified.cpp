@@ -389,6 +389,51 @@ TEST(Certified, AMeshAsSmallAsItsRoundingEntersASolidWithinW) {
   }
 }
 
+TEST(Certified, AMeshWithPoleRowsSinksIntoAFloorInBoundedWork) {
+  // The collapsed triangles of a pole are as narrow as can be: their points tell how the contact begins, and
+  // are not followed.
+  constexpr int kAround = 32, kRows = 16;
+  std::vector<Vec3> vertices;
+  std::vector<moving::Corners> triangles;
+  for (int i = 0; i <= kRows; ++i) {
+    for (int j = 0; j < kAround; ++j) {
+      const double down = M_PI * i / kRows, round = 2.0 * M_PI * j / kAround;
+      const double across = i % kRows == 0 ? 0.0 : 0.5 * std::sin(down);
+      vertices.push_back({across * std::cos(round), across * std::sin(round), 0.5 * std::cos(down)});
+      const int k = i * kAround + j, right = i * kAround + (j + 1) % kAround;
+      if (i == kRows) continue;
+      triangles.push_back({k, k + kAround, right + kAround});
+      triangles.push_back({k, right + kAround, right});
+    }
+  }
+  Watched pair({moving::boxMesh({100, 100, 1})}, {moving::mesh(vertices, triangles)});
+  const PieceOutcome outcome =
+      pair.advance(0, 1'000'000'000, resting(), flight(0, 1'000'000'000, {-25, 0, 1.55}, {50, 0, -0.1}));
+  ASSERT_EQ(pair.story(), "IMPACT CONFIRMED") << pair.list();
+  EXPECT_TRUE(holds(pair.events[0], 0, 0.5L, 1e-12L)) << pair.list();
+  EXPECT_LE(outcome.node_tests, 20000u);
+}
+
+TEST(Certified, WhatIsTooThinForItsNormalsLengthIsStillKeptAtTheContactDistance) {
+  // Lengths below 1e-154 m have no squares in doubles.
+  for (const double thin : {1e-100, 1e-150, 1e-163, 1e-200, 1e-300}) {
+    const auto needle = [&] { return moving::mesh({{0, 0, 0}, {1, 0, 0}, {0, thin, 0}}, {{0, 1, 2}}); };
+    PairOptions options;
+    options.contact_distance = 1.0;
+    Watched pair({needle()}, {needle()}, options);
+    pair.advance(0, kFrame, resting(), flight(0, kFrame, {0, 0, 2.5}, {0, 0, -60}));
+    ASSERT_EQ(pair.story(), "IMPACT CONFIRMED") << thin << '\n' << pair.list();
+    EXPECT_TRUE(holds(pair.events[0], 0, 0.025L)) << thin << pair.list();
+  }
+  for (const double size : {1e-163, 1e-200, 1e-300}) {
+    for (const auto& shape : {sphere(size), moving::placed(geometry::Cylinder{size, size})}) {
+      Watched pair({shape}, {shape});
+      pair.advance(0, kFrame, resting(), resting({10 * size, 0, 0}));
+      for (const PairEvent& e : pair.events) EXPECT_EQ(e.certificate, Certificate::kPossible) << pair.list();
+    }
+  }
+}
+
 TEST(Certified, ABudgetSpentAnywhereLosesNoImpact) {
   // "Time that no event and no bracket covers is proved free of contact", wherever the budget ends.
   struct Row {

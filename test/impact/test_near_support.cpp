@@ -167,7 +167,7 @@ TEST(NearSupport, TheDiscHoldsWhatBothCoresMayShare) {
     Vec3 place;
     double radius = 0;
     ++asked;
-    if (!near.commonDisc(depth, 3.0, moved_a, moved_b, &place, &radius)) continue;
+    if (!near.commonDisc(depth, 3.0, 3.0, moved_a, moved_b, &place, &radius)) continue;
     ++answered;
     const Truth a(cores.a), b(cores.b);
     const Real3 n = contact.n.cast<Real>().normalized();

@@ -195,17 +195,17 @@ void ContactView::cap(const Sight& sight, const std::vector<SeenPoint>& points, 
   }
 }
 
-void ContactView::commonDisc(double depth, double tilt, double moved_a, double moved_b, Vec2* centre,
-                             double* radius) const {
+void ContactView::commonDisc(double depth, double tilt_a, double tilt_b, double moved_a, double moved_b,
+                             Vec2* centre, double* radius) const {
   // One side's cap alone often is a point, as far as anybody can tell: nothing is gained by the other's.
   constexpr double kPoint = 8.0, kThin = 1e-6;
   Polygon &cap_a = buffers_.points, &cap_b = buffers_.points_b;
-  cap(a_, buffers_.a, depth, tilt, cap_a);
+  cap(a_, buffers_.a, depth, tilt_a, cap_a);
   enclosingDisc(cap_a, centre, radius);
   const bool point_a = *radius <= kPoint * moved_a;
   *radius += moved_a;
   if (cap_a.size() == 1 && moved_a <= moved_b) return;  // nothing of B's can be smaller
-  cap(b_, buffers_.b, depth, tilt, cap_b);
+  cap(b_, buffers_.b, depth, tilt_b, cap_b);
   Vec2 centre_b;
   double radius_b = 0.0;
   enclosingDisc(cap_b, &centre_b, &radius_b);

@@ -35,8 +35,9 @@ class ContactView {
   double normalCone(double moved, double known) const;
 
   /// A disc in the plane across n that holds everything within `moved_a` of A's points at most `depth` below
-  /// its support plane and within `moved_b` of B's. `tilt` bounds how far the true normal leans from n [rad].
-  void commonDisc(double depth, double tilt, double moved_a, double moved_b, Vec2* centre,
+  /// its support plane and within `moved_b` of B's. The tilts bound how far the true normal leans from n as
+  /// each body sees it: the lean in the world and the body's own turn [rad].
+  void commonDisc(double depth, double tilt_a, double tilt_b, double moved_a, double moved_b, Vec2* centre,
                   double* radius) const;
 
   /// A point of the plane across n, at a height along n.

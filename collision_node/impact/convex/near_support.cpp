@@ -44,7 +44,7 @@ NearSupport::Cap NearSupport::cap(double depth, double tilt) const {
     if (!leans_) cap.reach[0] = r;
     const double low = r - 2.0 * cap.reach[0];
     double across = low > 0.0 ? std::sqrt(r * r - low * low) : r;
-    // The support's place on the rim turns with the normal.
+    // The support's place on the rim turns with the normal as the cylinder sees it.
     if (leans_ && tilt < 0.5 * slope_[0]) across = std::min(across, r * 2.0 * tilt / slope_[0]);
     cap.reach[1] = across;
   }
@@ -151,10 +151,10 @@ std::optional<double> NearPair::normalCone(double moved, const Vec3& near_a, con
   return angleOf(sine) * (1.0 + 64.0 * kUnit);
 }
 
-bool NearPair::commonDisc(double depth, double tilt, double moved_a, double moved_b, Vec3* place,
-                          double* radius) const {
+bool NearPair::commonDisc(double depth, double tilt_a, double tilt_b, double moved_a, double moved_b,
+                          Vec3* place, double* radius) const {
   constexpr double kPoint = 8.0, kThin = 1e-6, kWide = 20.0;
-  const NearSupport::Cap a = a_.cap(depth, tilt), b = b_.cap(depth, tilt);
+  const NearSupport::Cap a = a_.cap(depth, tilt_a), b = b_.cap(depth, tilt_b);
   const double radius_a = a.radius() + moved_a, radius_b = b.radius() + moved_b;
   const bool a_is_less = radius_a <= radius_b;
   *radius = std::min(radius_a, radius_b);

@@ -34,7 +34,8 @@ class NearSupport {
   double thickness() const { return 2.0 * slope_.dot(half_); }
   double size() const { return 2.0 * half_.norm(); }  ///< no two of its points are farther apart [m]
 
-  /// A box that holds every point within `depth` of the support plane, whose normal leans by at most `tilt`.
+  /// A box that holds every point within `depth` of the support plane, whose normal as the core sees it leans
+  /// by at most `tilt`: the lean in the world and the core's own turn.
   struct Cap {
     Vec3 centre;
     Vec3 reach;  ///< half lengths along the axes
@@ -90,7 +91,7 @@ class NearPair {
   std::optional<double> normalCone(double moved, const Vec3& near_a, const Vec3& near_b, bool forward) const;
 
   /// ContactView::commonDisc() about a place on A's support plane; false where that tells more.
-  bool commonDisc(double depth, double tilt, double moved_a, double moved_b, Vec3* place,
+  bool commonDisc(double depth, double tilt_a, double tilt_b, double moved_a, double moved_b, Vec3* place,
                   double* radius) const;
 
  private:

@@ -150,7 +150,8 @@ bool seeNear(const PairPiece& piece, const Cores& cores, const Vec3& n, const Cl
   sight->gap = gap;
   constexpr double kMost = 1e-3;
   if (!(sight->cone < kMost)) return false;  // points may tell more
-  if (!near.commonDisc(depthOf(gap, radius, moved), sight->cone, moved, moved + radius * sineOf(sight->cone),
+  if (!near.commonDisc(depthOf(gap, radius, moved), sight->cone + change.turned.a,
+                       sight->cone + change.turned.b, moved, moved + radius * sineOf(sight->cone),
                        &sight->place, &sight->disc))
     return false;
   if (cores.a.element->radius == 0.0) sight->feature_a = near.a().feature(tolerance);
@@ -172,8 +173,8 @@ Sight see(const PairPiece& piece, const Cores& cores, const ContactView& view, c
   // The ball, in the plane across n: what is near both supports.
   Vec2 centre;
   double disc = 0.0;
-  view.commonDisc(depthOf(view.gap(), radius, moved), cone, moved, moved + radius * sineOf(cone), &centre,
-                  &disc);
+  view.commonDisc(depthOf(view.gap(), radius, moved), cone + change.turned.a, cone + change.turned.b, moved,
+                  moved + radius * sineOf(cone), &centre, &disc);
   return {n, cone, view.gap(), view.place(centre, view.topOfA()), disc};
 }
 

@@ -120,6 +120,8 @@ struct Shrunk {
 /// |sum of weight_i w_i| control points of a linear blend between two instants, each within `limit`?
 bool closeThrough(const Instant& from, const Instant& to, const Closest& first, const Closest& last,
                   double limit) {
+  constexpr double kLeast = 1e-150;  // [m] of less, squares would be lost
+  if (!(limit > kLeast)) return false;
   const auto blend = [](const Closest& c, const Instant& now) {
     Vec3 x = Vec3::Zero();
     for (int i = 0; i < c.count; ++i) x += c.weight[i] * differenceAt(now, c.point[i]);

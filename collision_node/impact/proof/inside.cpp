@@ -145,21 +145,37 @@ Where whereIn(const Body& body, int solid, const Vec3& point, double error) {
   return Where::kUnknown;
 }
 
-bool mayHide(const PairPiece& piece, const Element& a, const Element& b) {
-  return (!piece.b.solids().empty() && isNarrow(piece, a)) ||
-         (!piece.a.solids().empty() && isNarrow(piece, b));
+bool isHeld(const PairPiece& piece, const Instant& now, bool of_a, const Vec3& x, Vec3* held) {
+  return inAnySolid(piece, now, of_a, x, held) == Where::kInside;
 }
 
-bool holdsHidden(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, Vec3* held) {
+void HiddenPoints::offer(const Point& point) {
+  const auto is_same = [&](const Point& p) { return p.of_a == point.of_a && p.x == point.x; };
+  if (std::any_of(deepest_.begin(), deepest_.end(), is_same)) return;
+  if (deepest_.size() < deepest_.capacity()) {
+    deepest_.push_back(point);
+    return;
+  }
+  const auto shallowest = std::min_element(deepest_.begin(), deepest_.end(),
+                                           [](const Point& p, const Point& q) { return p.depth < q.depth; });
+  if (point.depth > shallowest->depth) *shallowest = point;
+}
+
+void HiddenPoints::add(const PairPiece& piece, const Instant& now, const Element& a, const Element& b) {
   for (const bool of_a : {true, false}) {
     const Element& e = of_a ? a : b;
-    if (!isNarrow(piece, e)) continue;
+    if ((of_a ? piece.b : piece.a).solids().empty() || !isNarrow(piece, e)) continue;
     const Vec3* const points = e.vertices != nullptr ? e.vertices : &e.centre;
     for (int i = 0; i < std::max(e.count, 1); ++i) {
-      if (inAnySolid(piece, now, of_a, points[i], held) == Where::kInside) return true;
+      const double along = towards_.dot(of_a ? Vec3(now.ra * points[i]) : Vec3(now.d + now.rb * points[i]));
+      offer({points[i], of_a, of_a ? along : -along});
     }
   }
-  return false;
+}
+
+bool HiddenPoints::areHeld(const PairPiece& piece, const Instant& now, Vec3* held) const {
+  return std::any_of(deepest_.begin(), deepest_.end(),
+                     [&](const Point& p) { return isHeld(piece, now, p.of_a, p.x, held); });
 }
 
 Where containment(const PairPiece& piece, const Instant& now, Vec3* held) {

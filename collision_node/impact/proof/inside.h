@@ -1,6 +1,8 @@
 /// Is a point inside a closed mesh? By the signed crossings of a ray whose every orientation sign is certain.
 #pragma once
 
+#include <boost/container/static_vector.hpp>
+
 #include "collision_node/impact/pair_piece.h"
 
 namespace collision_node::impact {
@@ -12,13 +14,34 @@ enum class Where { kInside, kOutside, kUnknown };
 /// kUnknown says nothing.
 Where whereIn(const Body& body, int solid, const Vec3& point, double error);
 
-/// A proof that two surfaces meet takes elements some rounding budgets wide. Is one of these narrower, and
-/// the other body a solid that may hold it?
-bool mayHide(const PairPiece& piece, const Element& a, const Element& b);
+/// Is `x`, a point of A or else of B in its body's frame, proved to be inside a solid of the other? Holds at
+/// any instant, whatever touches. `held` receives the point relative to A's origin.
+bool isHeld(const PairPiece& piece, const Instant& now, bool of_a, const Vec3& x, Vec3* held);
 
-/// Of such a pair: is a point of the narrow one proved to be inside a solid of the other body? Holds at any
-/// instant, whatever touches. `held` receives the point relative to A's origin.
-bool holdsHidden(const PairPiece& piece, const Instant& now, const Element& a, const Element& b, Vec3* held);
+/// Points of elements too narrow to be proved to touch another body's surface, which takes some rounding
+/// budgets of width: those that may be deepest inside its solids.
+class HiddenPoints {
+ public:
+  /// `towards` points from A to B.
+  void clear(const Vec3& towards) {
+    towards_ = towards;
+    deepest_.clear();
+  }
+  void add(const PairPiece& piece, const Instant& now, const Element& a, const Element& b);
+  /// Is one of them held (isHeld)?
+  bool areHeld(const PairPiece& piece, const Instant& now, Vec3* held) const;
+
+ private:
+  struct Point {
+    Vec3 x;  ///< in its body's frame
+    bool of_a;
+    double depth;  ///< along `towards`
+  };
+  void offer(const Point& point);
+
+  Vec3 towards_ = Vec3::Zero();
+  boost::container::static_vector<Point, 4> deepest_;
+};
 
 /// Does one body's solid hold a part of the other? Meant for an instant at which all surfaces are proved
 /// apart. kInside: yes, proved; kOutside: no, proved, for all parts. `held` receives a common point relative

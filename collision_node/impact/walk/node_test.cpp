@@ -146,7 +146,10 @@ namespace {
 /// Does a plane across n (in the frame of `still`) stay between the triangles? The moving vertices follow the
 /// slab's linear model, so both ends of the span decide; `allowance` is per unit of |n|.
 bool planeBetween(const Vec3 still[3], const Vec3 early[3], const Vec3 late[3], double allowance) {
+  constexpr double kLeast2 = 1e-280;  // with less, the norm and the margin with it may be lost
   const Vec3 n = (still[1] - still[0]).cross(still[2] - still[0]);
+  const double length2 = n.squaredNorm();
+  if (!(length2 > kLeast2)) return false;
   double top = n.dot(still[0]), bottom = top;
   for (int i = 1; i < 3; ++i) {
     const double x = n.dot(still[i]);
@@ -161,7 +164,7 @@ bool planeBetween(const Vec3 still[3], const Vec3 early[3], const Vec3 late[3], 
       most = std::max(most, x);
     }
   }
-  const double margin = n.norm() * allowance * kUp;
+  const double margin = std::sqrt(length2) * allowance * kUp;
   return least - top > margin || bottom - most > margin;
 }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "collision_node/impact/proof/inside.h"
 
 namespace collision_node::impact {
 namespace {
@@ -191,6 +190,7 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
         first = {true, t, {ea, eb}};
         search.stopped_by_ = first.pair;
         search.stopped_closest_ = steps.closest();
+        search.stopped_along_ = steps.parting().axis.direction;
       }
       search.near_.push_back({{ea, eb}, t, steps.parting()});
       return first.time + window;
@@ -326,7 +326,6 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
     std::size_t wanted;
     std::vector<ContactWitness>& found;
     bool undecided = false;
-    boost::container::static_vector<ElementPair, 8> hidden;
     double unresolved(double) {
       undecided = true;
       return -kInfinity;
@@ -343,7 +342,7 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
           return kInfinity;
         case Proved::kNothing:
           undecided = true;
-          if (hidden.size() < hidden.capacity() && mayHide(search.piece_, a, b)) hidden.push_back({ea, eb});
+          search.hidden_.add(search.piece_, now, a, b);
           return kInfinity;
         case Proved::kContact:
           break;
@@ -356,25 +355,16 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
   };
   constexpr std::size_t kCandidates = 64;
   found_.clear();
-  Leaf leaf{*this, piece_.at(t), horizon > 0.0 ? kCandidates : 1, found_, false, {}};
+  hidden_.clear(stopped_along_);
+  Leaf leaf{*this, piece_.at(t), horizon > 0.0 ? kCandidates : 1, found_, false};
   walk(t, t, false, leaf);
   if (!found_.empty()) {
     if (horizon > 0.0 && longestLasting(t, horizon, witness)) return Proved::kContact;
     *witness = found_[0];
     return Proved::kContact;
   }
+  if (leaf.undecided) return Proved::kNothing;
   Vec3 held = Vec3::Zero();
-  if (leaf.undecided) {
-    for (const ElementPair& pair : leaf.hidden) {
-      const ElementView a(piece_.a, pair.a), b(piece_.b, pair.b);
-      ++node_tests_;
-      if (!holdsHidden(piece_, leaf.now, *a, *b, &held)) continue;
-      witness->clear();
-      witness->point = held;
-      return Proved::kContact;
-    }
-    return Proved::kNothing;
-  }
   switch (containment(piece_, leaf.now, &held)) {
     case Where::kOutside:
       return Proved::kApart;
@@ -386,6 +376,15 @@ Proved Search::classify(double t, ContactWitness* witness, double horizon) {
   witness->clear();
   witness->point = held;
   return Proved::kContact;
+}
+
+bool Search::holdsHidden(double t, ContactWitness* witness) {
+  ++node_tests_;
+  Vec3 held;
+  if (!hidden_.areHeld(piece_, at(t), &held)) return false;
+  witness->clear();
+  witness->point = held;
+  return true;
 }
 
 bool Search::longestLasting(double t, double horizon, ContactWitness* witness) {

@@ -13,6 +13,7 @@
 #include "collision_node/impact/convex/contact_view.h"
 #include "collision_node/impact/convex/pair_steps.h"
 #include "collision_node/impact/proof/contact_proof.h"
+#include "collision_node/impact/proof/inside.h"
 #include "collision_node/impact/straight/straight_path.h"
 #include "collision_node/impact/walk/agenda.h"
 #include "collision_node/impact/walk/node_test.h"
@@ -64,7 +65,11 @@ class Search {
   /// among those found, the one that provably lasts longest within [t, t + horizon].
   Proved classify(double t, ContactWitness* witness, double horizon = 0.0);
 
-  /// The same for the surfaces of one pair of elements, which need no walk.
+  /// Where classify() has just said kNothing at `t`: is a point of what is too narrow to be proved to touch a
+  /// surface proved to be inside a solid? Then `witness` is filled. Such proofs do not last.
+  bool holdsHidden(double t, ContactWitness* witness);
+
+  /// What classify() says, for the surfaces of one pair of elements, which need no walk.
   Proved classifyPair(double t, ElementPair pair, ContactWitness* witness);
 
   /// Pairs of elements not proved apart throughout [from, to], at most `limit` (<= 64), without `known`.
@@ -127,9 +132,11 @@ class Search {
   std::vector<ContactWitness>& found_;  ///< by classify()
   double near_from_ = std::numeric_limits<double>::infinity(), near_to_ = 0.0;
   double stopped_at_ = std::numeric_limits<double>::infinity();  ///< the last firstPossible()
-  ElementPair stopped_by_;      ///< and which pair it could not part any longer
-  Closest stopped_closest_;     ///< their closest points, about
-  Instant computed_, near_it_;  ///< of at(): the last one as a whole, and the last one near to that
+  ElementPair stopped_by_;             ///< and which pair it could not part any longer
+  Closest stopped_closest_;            ///< their closest points, about
+  Vec3 stopped_along_ = Vec3::Zero();  ///< what parted them last, from A to B; zero: nothing did
+  HiddenPoints hidden_;                ///< of the last classify()
+  Instant computed_, near_it_;         ///< of at(): the last one as a whole, and the last one near to that
   bool has_computed_ = false;
 
   friend struct Workspace::Buffers;
