@@ -66,5 +66,17 @@ TEST(Limits, limit_ABodyThatTurnsBackBetweenTwoPosesStoodStill) {
   EXPECT_EQ(pair.story(), "") << pair.list();
 }
 
+TEST(Limits, limit_WhatIsDeepInsideIsNotProvedWhileAnotherPartIsFlush) {
+  const moving::PlacedShape ground = moving::boxMesh({5, 5, 1}, {0, 0, -1}),
+                            plate = moving::placed(collision_node::geometry::Box{{1, 1, 0.2}}, {0, 0, 0.1}),
+                            anchor = moving::placed(collision_node::geometry::Sphere{0.1}, {0, 0, -1});
+  for (const bool flush : {true, false}) {
+    moving::Watched pair({ground}, flush ? moving::Shapes{plate, anchor} : moving::Shapes{anchor});
+    pair.advance(0, moving::kFrame, moving::resting(), moving::resting({0.3, 0.2, 0}));
+    pair.finish();
+    EXPECT_EQ(pair.story(), flush ? "INITIAL_OVERLAP POSSIBLE" : "INITIAL_OVERLAP CONFIRMED") << pair.list();
+  }
+}
+
 }  // namespace
 }  // namespace nasty
