@@ -1,6 +1,10 @@
 // What the motion model cannot see, pinned: docs/limits.md shows a picture of each. A limit that is lifted
 // turns a test red, and its picture comes off the page.
-#include "collision_node/motion/stamped_pose.h"
+#include <gmpxx.h>
+
+#include <array>
+
+#include "collision_node/motion/rigid_motion.h"
 #include "test/impact/nasty.h"
 
 namespace nasty {
@@ -64,6 +68,46 @@ TEST(Limits, limit_ABodyThatTurnsBackBetweenTwoPosesStoodStill) {
   Watched pair({sphere(0.1, {0.5, 0, 0})}, {sphere(0.1)});
   pair.advance(0, kFrame, resting(), motion::straightSlerp(from, to));
   EXPECT_EQ(pair.story(), "") << pair.list();
+}
+
+TEST(Limits, limit_AtHalfATurnRoundingMayPickEitherWay) {
+  // The exact step has a w of some 1e-17 then, of either sign, and the rounded one another.
+  moving::Random random(20261127, 0);
+  int other = 0;
+  for (int i = 0; i < 2000; ++i) {
+    motion::StampedPose from, to;
+    to.stamp_ns = kSecond;
+    const Quat half_turn(Eigen::AngleAxisd(M_PI, Vec3::UnitZ()));
+    from.pose.orientation = random.orientation();
+    to.pose.orientation = (half_turn * from.pose.orientation).normalized();
+    const auto exact = [](const Quat& q) { return std::array<mpq_class, 4>{q.x(), q.y(), q.z(), q.w()}; };
+    const auto p = exact(from.pose.orientation), q = exact(to.pose.orientation);
+    const mpq_class w = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3],
+                    z = p[3] * q[2] - p[2] * q[3] + p[0] * q[1] - p[1] * q[0];  // of to conj(from)
+    const double turned = motion::straightSlerp(from, to).omega.z();
+    EXPECT_NEAR(std::abs(turned), M_PI, 1e-14);
+    other += sgn(w) != 0 && (turned > 0) != (sgn(w) * sgn(z) > 0);
+  }
+  EXPECT_GT(other, 0);
+  EXPECT_LT(other, 500);
+}
+
+TEST(Limits, limit_AWheelThatRollsCostsWithTheRootOfOneOverItsDepth) {
+  constexpr double kRadius = 0.3, kSpeed = 30;
+  moving::PlacedShape wheel = moving::placed(collision_node::geometry::Cylinder{kRadius, 0.2});
+  wheel.origin.orientation = Quat(Eigen::AngleAxisd(M_PI_2, Vec3::UnitX()));
+  double before = 0;
+  for (const double depth : {1e-5, 1e-7, 1e-9}) {
+    moving::Watched pair({moving::placed(collision_node::geometry::Box{{4, 4, 1}}, {0, 0, -0.5})}, {wheel});
+    const auto rolls = flight(0, kFrame, {0, 0, kRadius - depth}, {kSpeed, 0, 0}, {0, kSpeed / kRadius, 0});
+    const auto tests = static_cast<double>(pair.advance(0, kFrame, resting(), rolls).node_tests);
+    EXPECT_EQ(pair.story(), "INITIAL_OVERLAP CONFIRMED") << pair.list();
+    if (before > 0) {
+      EXPECT_NEAR(tests / before, 10, 5) << depth;
+    }
+    before = tests;
+  }
+  EXPECT_NEAR(before, 2e5, 1e5);
 }
 
 TEST(Limits, limit_WhatIsDeepInsideIsNotProvedWhileAnotherPartIsFlush) {

@@ -44,7 +44,8 @@ def view_without_tf(config, target):
 
 
 def red_in_round(children, wanted, rounds, now, count_red):
-    """(red pixels after the first impact, most red pixels before it) of round `wanted`."""
+    """(red pixels after the first impact, red pixels shortly before it) of round `wanted`. rviz may show the round before
+    for a moment after the player has jumped back, so the last picture before the impact counts."""
     before = [-1]
 
     def seen():
@@ -55,15 +56,15 @@ def red_in_round(children, wanted, rounds, now, count_red):
         if start[0] != wanted or rounds[0] != wanted:
             return False  # the picture may be of another round
         if now[0] < IMPACT_NS:
-            before[0] = max(before[0], count)
-            if count >= RED:
-                sys.exit('%d red pixels in round %d before the impact' % (count, wanted))
+            before[0] = count
             return False
         return count if start[1] >= IMPACT_NS and count >= RED else False
 
     count = wait(children, 'red in round %d' % wanted, seen)
     if before[0] < 0:
         sys.exit('no picture of round %d before the impact' % wanted)
+    if before[0] >= RED:
+        sys.exit('%d red pixels in round %d before the impact' % (before[0], wanted))
     return count, before[0]
 
 

@@ -145,10 +145,6 @@ Where whereIn(const Body& body, int solid, const Vec3& point, double error) {
   return Where::kUnknown;
 }
 
-bool isHeld(const PairPiece& piece, const Instant& now, bool of_a, const Vec3& x, Vec3* held) {
-  return inAnySolid(piece, now, of_a, x, held) == Where::kInside;
-}
-
 void HiddenPoints::offer(const Point& point) {
   const auto is_same = [&](const Point& p) { return p.of_a == point.of_a && p.x == point.x; };
   if (std::any_of(deepest_.begin(), deepest_.end(), is_same)) return;
@@ -174,8 +170,9 @@ void HiddenPoints::add(const PairPiece& piece, const Instant& now, const Element
 }
 
 bool HiddenPoints::areHeld(const PairPiece& piece, const Instant& now, Vec3* held) const {
-  return std::any_of(deepest_.begin(), deepest_.end(),
-                     [&](const Point& p) { return isHeld(piece, now, p.of_a, p.x, held); });
+  return std::any_of(deepest_.begin(), deepest_.end(), [&](const Point& p) {
+    return inAnySolid(piece, now, p.of_a, p.x, held) == Where::kInside;
+  });
 }
 
 Where containment(const PairPiece& piece, const Instant& now, Vec3* held) {

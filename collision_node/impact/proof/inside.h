@@ -14,10 +14,6 @@ enum class Where { kInside, kOutside, kUnknown };
 /// kUnknown says nothing.
 Where whereIn(const Body& body, int solid, const Vec3& point, double error);
 
-/// Is `x`, a point of A or else of B in its body's frame, proved to be inside a solid of the other? Holds at
-/// any instant, whatever touches. `held` receives the point relative to A's origin.
-bool isHeld(const PairPiece& piece, const Instant& now, bool of_a, const Vec3& x, Vec3* held);
-
 /// Points of elements too narrow to be proved to touch another body's surface, which takes some rounding
 /// budgets of width: those that may be deepest inside its solids.
 class HiddenPoints {
@@ -28,7 +24,8 @@ class HiddenPoints {
     deepest_.clear();
   }
   void add(const PairPiece& piece, const Instant& now, const Element& a, const Element& b);
-  /// Is one of them held (isHeld)?
+  /// Is one of them proved to be inside a solid of the other body? Holds at any instant, whatever touches.
+  /// `held` receives it relative to A's origin.
   bool areHeld(const PairPiece& piece, const Instant& now, Vec3* held) const;
 
  private:
