@@ -179,9 +179,8 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
         continue;
       }
       const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
-      if (next.found && next.time - at <= std::max(at - from, width_) && next.time < end_) {
-        step = std::max(next.time - from,
-                        step * kGrow);  // a gap shorter than the bracket: the bracket goes on
+      if (next.found && next.time < end_ && belongsTogether(from, at, next)) {
+        step = std::max(next.time - from, step * kGrow);
         proved_nothing = next.time;
         continue;
       }
@@ -194,6 +193,14 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
     proved_nothing = at;
     step *= kGrow;
   }
+}
+
+bool PieceRun::belongsTogether(double from, double at, const Search::First& next) {
+  if (next.time - at <= std::max(at - from, width_)) return true;
+  // Of a slow approach the last budgets before the contact take longer, and their start may be free by a
+  // hair.
+  const double closing = search_.closingSpeed(next);
+  return closing > 0.0 && (next.time - from) * closing <= kBelongs * pair_.point_error;
 }
 
 double PieceRun::soonestContact(double from, double nothing, double at, ContactWitness& found) {

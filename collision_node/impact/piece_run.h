@@ -34,6 +34,7 @@ class PieceRun {
   /// budgets wide; with this overshoot a bracket stays within eight.
   static constexpr double kGrow = 1.3;
   static constexpr double kBracket = 8.0;
+  static constexpr double kBelongs = 4.0;  ///< [budgets] of these, before what is not proved begins again
   /// Where one bracket after the other turns out to be free, each next one is looked at in longer steps.
   static constexpr double kBolder = 2.0;
   /// [budgets] How far apart what nobody can prove may be and count as contact. Wide enough to be proved over
@@ -50,6 +51,9 @@ class PieceRun {
   /// Behind the start of an open bracket: finds what is proved first, contact or clearance. Returns false at
   /// the end.
   bool resolve(double& t, std::optional<ContactWitness>& witness);
+  /// A bracket that began at `from` is free at `at`, and the next one would begin soon: in less time than the
+  /// bracket has taken, or than a bracket may take?
+  bool belongsTogether(double from, double at, const Search::First& next);
   /// Steps behind a bracket's start grow, so the last one may go too far: halves it where the bracket is
   /// wider than was asked for. Nothing is proved at `nothing`, contact is proved at `at`, and at the time
   /// returned.

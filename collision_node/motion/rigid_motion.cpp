@@ -16,6 +16,10 @@ constexpr double kRoundedTurn =
 /// of these 32.
 constexpr double kAxisError = 0x1p-48;
 
+/// Of the mean rate (3 u), the duration (3 u), the product with the axis (4 u), the angle (8 u) and the
+/// quotient (2 u), as shares of what they are added to.
+constexpr double kCountError = 0x1p-48;
+
 /// A turn about a unit axis (world axes), 0 <= angle <= pi. The axis is zero when the angle is.
 struct Turn {
   Vec3 axis = Vec3::Zero();
@@ -117,10 +121,20 @@ RigidMotion spin(const StampedPose& from, const StampedPose& to) {
   const Vec3 mean_rate = 0.5 * (from.angular + to.angular);
   Turn turn = shortestTurn(from.pose.orientation, to.pose.orientation);
   if (turn.angle <= kRoundedTurn && mean_rate.stableNorm() > 0.0) turn.axis = mean_rate.stableNormalized();
-  const double turns = std::round((h * turn.axis.dot(mean_rate) - turn.angle) / kTwoPi);
+  const double axis_error = turn.angle > kRoundedTurn ? kAxisError / std::sin(0.5 * turn.angle) : 0.0;
+  const double along = h * turn.axis.dot(mean_rate), extra = (along - turn.angle) / kTwoPi;
+  const double turns = std::round(extra);
   motion.omega = turn.axis * ((turn.angle + kTwoPi * turns) / h);
-  if (turns != 0.0 && turn.angle > kRoundedTurn)
-    motion.turn_error = std::min(2.0, kAxisError / std::sin(0.5 * turn.angle));
+  // Where the axis, or rounding, may have made it another number of turns, nothing is known of the way. Of an
+  // axis off by delta the mean rate's part along it is off by delta of its part across and delta^2 of its
+  // whole.
+  const double off = 0.5 * axis_error, whole = h * mean_rate.norm();
+  const double across = (h * mean_rate - along * turn.axis).norm();
+  const double unsure = off * (across + off * whole) + kCountError * (whole + kTwoPi);
+  if (!(std::abs(extra - turns) + unsure / kTwoPi < 0.5))
+    motion.turn_error = 2.0;
+  else if (turns != 0.0)
+    motion.turn_error = std::min(2.0, axis_error);
   return motion;
 }
 

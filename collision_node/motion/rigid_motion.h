@@ -65,7 +65,8 @@ RigidMotion hermite(const StampedPose& from, const StampedPose& to);
 /// Straight line; orientation about the slerp axis with as many extra whole turns as the mean twist says.
 /// When the two orientations are equal up to rounding the axis is that of the mean twist. Where they are
 /// nearly equal, their quaternions tell the axis badly, and `turn_error` says how badly: 2^-48 / sin(half the
-/// angle). Requires from.stamp_ns < to.stamp_ns and a twist on both.
+/// angle); 2, which is anywhere, where that may make it another number of turns. Requires from.stamp_ns <
+/// to.stamp_ns and a twist on both.
 RigidMotion spin(const StampedPose& from, const StampedPose& to);
 
 }  // namespace collision_node::motion

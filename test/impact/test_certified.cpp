@@ -358,6 +358,52 @@ TEST(Certified, ABoxThatSpinsInPlaceAndBarelyReachesAWallIsDecidedInBoundedWork)
   std::printf("%llu node tests at most\n", static_cast<unsigned long long>(most));
 }
 
+TEST(Certified, ASlowHitOfALargeTurningBodyIsOneImpact) {
+  // Where kilometres turn, the instants looked at are closer than a slow approach can tell apart: which of
+  // the last few budgets before the contact are proved free is an accident, and no end of the bracket.
+  moving::Random random(20261127, 1);
+  constexpr double kSpeed = 0.1, kHalfFrame = 0.5e-9 * kFrame;  // [m/s], [s]
+  constexpr int kCases = 200;
+  int several = 0;
+  double widest = 0.0;
+  for (int i = 0; i < kCases; ++i) {
+    const double size = i % 2 == 0 ? 1e4 : 1e5;
+    const Vec3 axis = random.direction(), omega = 0.3 * axis,
+               other = random.decade(-2, 0) * size * Vec3(0.5, 0.25, 0.5);
+    const Mat3 turned(Eigen::AngleAxisd(omega.norm() * kHalfFrame, axis)),
+        leaning(Eigen::AngleAxisd(1.0, random.direction()));
+    // What is touched in the middle of the frame: a sphere, or a box somewhere on a face; by a corner.
+    Vec3 normal = random.direction(), touched = 0.5 * size * normal;
+    if (i % 4 < 2) {
+      normal = turned.col(i % 3);
+      touched = moving::randomVec(random, 0.45 * size);
+      touched += normal * (0.5 * size - normal.dot(touched));
+    }
+    const Vec3 corner = leaning * Vec3(other.array() * (leaning.transpose() * normal).array().sign());
+    const Vec3 velocity = omega.cross(touched) - kSpeed * normal;
+    const moving::Shapes large = {i % 4 < 2 ? moving::placed(geometry::Box{Vec3::Constant(size)})
+                                            : moving::placed(geometry::Sphere{0.5 * size})},
+                         small = {moving::placed(geometry::Box{2 * other})};
+    const Piece piece{0, kFrame, flight(0, kFrame, Vec3::Zero(), Vec3::Zero(), omega),
+                      flight(0, kFrame, touched + corner - kHalfFrame * velocity, velocity, Vec3::Zero(),
+                             geometry::Quat(leaning))};
+    Watched pair(large, small);
+    pair.advance(piece);
+    SCOPED_TRACE("case " + std::to_string(i) + '\n' + pair.list());
+    several += pair.count(Kind::kImpact) > 1;
+    const auto hit = std::find_if(pair.events.begin(), pair.events.end(), [](const PairEvent& e) {
+      return e.kind == Kind::kImpact && e.certificate == Certificate::kConfirmed;
+    });
+    ASSERT_NE(hit, pair.events.end());
+    const geometry::Body a(large), b(small);
+    const double budget = PairPiece(a, b, piece, 0.0).point_error;
+    widest = std::max(widest, moving::widthOf(*hit) * kSpeed / (8 * budget));
+  }
+  EXPECT_LE(widest, 1.0);  // W
+  EXPECT_LE(several, kCases / 20);
+  std::printf("%d of %d in several events, widest %.3f W\n", several, kCases, widest);
+}
+
 TEST(Certified, AMeshAsSmallAsItsRoundingEntersASolidWithinW) {
   // No pair of triangles so narrow can be proved to meet; their points can be proved to be inside (inside.h).
   // W is DESIGN section 5's: eight budgets over the closing speed.

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include "collision_node/motion/rigid_motion.h"
@@ -116,6 +117,50 @@ TEST(Spin, AddsTheTurnsThatTheTwistTells) {
     const RigidMotion motion = spin(from, to);
     EXPECT_LT((motion.omega - from.angular).norm(), 1e-9 * std::abs(angle / h)) << "angle " << angle;
   }
+}
+
+TEST(Spin, AnotherNumberOfTurnsThanTheExactOneIsSaidToBeAnywhere) {
+  // Nearly equal quaternions p and q = p + d, with d exact: the vector of conj(p) q is that of conj(p) d.
+  using Long = Eigen::Matrix<long double, 3, 1>;
+  constexpr long double kTurn = 6.283185307179586476925286766559L;
+  const unsigned seed = 20261127;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  int others = 0, unknown = 0;
+  for (int i = 0; i < 20000; ++i) {
+    SCOPED_TRACE("seed " + std::to_string(seed) + " case " + std::to_string(i));
+    const auto vec = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+    const double angle = std::pow(10.0, -13.5 + 8.0 * share(random)),
+                 far = std::pow(10.0, 5.0 * share(random));
+    StampedPose from = stamped(0, Vec3::Zero(), about(vec(), 3.0 * share(random)));
+    StampedPose to =
+        stamped(1'000'000'000, Vec3::Zero(), (about(vec(), angle) * from.pose.orientation).normalized());
+    from.has_twist = to.has_twist = true;
+    from.angular = to.angular = far * vec().normalized();
+    const Eigen::Quaternion<long double> p = from.pose.orientation.cast<long double>(),
+                                         q = to.pose.orientation.cast<long double>();
+    const Eigen::Quaternion<long double> d(q.w() - p.w(), q.x() - p.x(), q.y() - p.y(), q.z() - p.z());
+    const Long step = (p.conjugate() * d).vec();
+    const long double sine = step.norm();
+    if (sine <= 1e-14L) continue;  // then the axis is the twist's
+    const Long axis = p.normalized() * Long(step / sine);
+    const long double turned = 2 * std::atan2(sine, p.dot(q));
+    const long double extra = (axis.dot(from.angular.cast<long double>()) - turned) / kTurn;
+    const Long truth = axis * (turned + kTurn * std::round(extra));
+    const RigidMotion motion = spin(from, to);
+    const Long omega = motion.omega.cast<long double>();
+    unknown += motion.turn_error == 2.0;
+    if (std::abs(omega.norm() - truth.norm()) > 3.0L || omega.dot(truth) < 0) {
+      ++others;
+      EXPECT_EQ(motion.turn_error, 2.0) << "by " << omega.norm() << " rad instead of " << truth.norm();
+    } else if (truth.norm() > 3.0L) {  // twice the axis's error
+      EXPECT_LE(2 * (omega / omega.norm() - truth / truth.norm()).norm(), motion.turn_error + 64 * 0x1p-53L);
+    }
+  }
+  EXPECT_GE(others, 20);
+  EXPECT_LE(unknown, 4000);
+  std::printf("another number of turns: %d, said to be anywhere: %d\n", others, unknown);
 }
 
 }  // namespace

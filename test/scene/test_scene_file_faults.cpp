@@ -96,7 +96,9 @@ TEST_F(SceneFaults, Shapes) {
   EXPECT_HAS(object("sphere: {}"), "objects/o/sphere: no radius given");
   EXPECT_HAS(object("sphere: {radius: 1, radios: 2}"),
              "objects/o/sphere/radios: unknown key 'radios'; nearest known: 'radius'");
-  EXPECT_HAS(object("sphere: 3"), "objects/o/sphere: '3' is not a map");
+  EXPECT_HAS(object("sphere: 3"), "objects/o/sphere: '3' is not a map; write sphere: {radius: <number>}");
+  EXPECT_HAS(object("mesh: tank.stl"),
+             "objects/o/mesh: 'tank.stl' is not a map; write mesh: {file: <path or package:// URI>}");
   EXPECT_HAS(object("point: {size: 1}"), "objects/o/point/size: unknown key 'size'");
   EXPECT_HAS(object("box: {}"), "objects/o/box: no size given; write size: [x, y, z], full lengths [m]");
   EXPECT_HAS(object("box: {size: 1}"),

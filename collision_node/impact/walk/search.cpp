@@ -318,6 +318,15 @@ Proved Search::classifyPair(double t, ElementPair pair, ContactWitness* witness)
   return proved;
 }
 
+double Search::closingSpeed(const First& last) {
+  const Parting* const parting = partingAt(last.time, last.pair);
+  if (parting == nullptr) return 0.0;
+  const ElementView view_a(piece_.a, last.pair.a), view_b(piece_.b, last.pair.b);
+  const CorePair cores(*view_a, *view_b);
+  const Axis axis{parting->at(last.time), parting->axis.rate, true};
+  return std::max(0.0, -GapModel(piece_, at(last.time), cores, axis).trend().slope);
+}
+
 Proved Search::classify(double t, ContactWitness* witness, double horizon) {
   struct Leaf {
     Search& search;

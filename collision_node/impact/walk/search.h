@@ -72,6 +72,10 @@ class Search {
   /// What classify() says, for the surfaces of one pair of elements, which need no walk.
   Proved classifyPair(double t, ElementPair pair, ContactWitness* witness);
 
+  /// Of the last firstPossible(): about how fast the gap closes at its end, along the axis that parted the
+  /// pair last; 0 where none did. [m/s]
+  double closingSpeed(const First& last);
+
   /// Pairs of elements not proved apart throughout [from, to], at most `limit` (<= 64), without `known`.
   NearPairs nearPairs(double from, double to, std::size_t limit, ElementPair known = {});
 

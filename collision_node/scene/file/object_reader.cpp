@@ -77,9 +77,13 @@ class ObjectReader {
   }
 
   std::optional<PlacedShape> readShape(const std::string& key) {
-    MapReader shape = reader_.map(key);
     std::optional<PlacedShape> result;
-    if (!shape.good()) return result;
+    const YamlNode& node = *reader_.find(key);
+    if (node.kind != YamlNode::Kind::kMap && node.kind != YamlNode::Kind::kNull) {
+      reader_.fault(key, describe(node) + " is not a map; write " + key + ": " + keysOf(key));
+      return result;
+    }
+    MapReader shape = reader_.map(key);
     if (key == "point") {
       result = PlacedShape{geometry::Point{}, {}, key};
     } else if (key == "sphere") {
@@ -100,6 +104,14 @@ class ObjectReader {
     }
     shape.done();
     return shape.good() ? result : std::nullopt;
+  }
+
+  static const char* keysOf(const std::string& shape) {
+    if (shape == "point") return "{}";
+    if (shape == "sphere") return "{radius: <number>}";
+    if (shape == "box") return "{size: [x, y, z]}";
+    if (shape == "cylinder" || shape == "capsule") return "{radius: <number>, length: <number>}";
+    return "{file: <path or package:// URI>}";
   }
 
   static std::optional<double> needReal(MapReader& reader, const std::string& key, const Limit& limit) {
