@@ -163,13 +163,13 @@ class Live:
     def load(self, messages):
         """Another scene: whatever is open of the old one ends, and its epoch with it."""
         import rospy
+        for publisher in self.publishers.values():
+            publisher.unregister()
+        # What comes back while the node still hangs up on it, or calls it for another scene, is not called again.
+        wait(self.children, 'the node to hang up', lambda: not self.called() & set(self.publishers))
         answer = self.services['reload_scene']()
         if not answer.success:
             sys.exit('the scene was refused: ' + answer.message)
-        for publisher in self.publishers.values():
-            publisher.unregister()
-        # A publisher that comes back while the node still hangs up on it would not be called again.
-        wait(self.children, 'the node to hang up', lambda: not self.called() & set(self.publishers))
         kinds = dict((topic, type(message)) for topic, message in messages)
         self.publishers = {topic: rospy.Publisher(topic, kind, queue_size=100000) for topic, kind in kinds.items()}
         wait(self.children, 'connections', lambda: all(
