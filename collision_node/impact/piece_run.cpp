@@ -238,6 +238,8 @@ void PieceRun::confirm(double from, double at, const ContactWitness& found,
   PairEvent& event = events_.back();
   event.kind = Kind::kImpact;
   writer_.finishImpact(event, from, at, pair, state_, sure_of_pair);
+  // Who starts within the rounding of contact may be on either side of the surface.
+  if (state_.pending.kind == Kind::kInitialOverlap) event.normal_error = M_PI;
   event.certificate = Certificate::kConfirmed;
   event.reason =
       event.toi_upper - event.toi_lower > options_.time_precision ? Reason::kPrecision : Reason::kNone;

@@ -358,6 +358,16 @@ TEST(Certified, ABoxThatSpinsInPlaceAndBarelyReachesAWallIsDecidedInBoundedWork)
   std::printf("%llu node tests at most\n", static_cast<unsigned long long>(most));
 }
 
+TEST(Certified, WhoStartsWithinTheRoundingOfAMeshHasAnyNormal) {
+  for (const double above : {-3e-15, -0x1p-53, 0x1p-52, 3e-15}) {
+    Watched pair({moving::boxMesh({1, 1, 1})}, {point()});
+    pair.advance(0, kFrame, resting(), flight(0, kFrame, {0.3, 0.2, 1 + above}, {0.1, 0, -1}));
+    ASSERT_EQ(pair.story(), "IMPACT CONFIRMED") << pair.list();
+    const PairEvent& e = pair.events[0];
+    EXPECT_LE(std::acos(std::clamp(e.normal.z(), -1.0, 1.0)), e.normal_error) << pair.list();
+  }
+}
+
 TEST(Certified, ASlowHitOfALargeTurningBodyIsOneImpact) {
   // Where kilometres turn, the instants looked at are closer than a slow approach can tell apart: which of
   // the last few budgets before the contact are proved free is an accident, and no end of the bracket.
