@@ -26,11 +26,14 @@ PieceRun::PieceRun(const PairPiece& pair, const Piece& piece, const PairOptions&
   floor_ = widths.floor;
   width_ = widths.wanted;
   longest_gap_ = std::max(width_, kBracket * floor_);
+  const Widths sharp(options, std::max(0.0, pair.point_error - pair.tube), pair.speed, end_);
+  least_rest_ = std::max(sharp.wanted, kBracket * sharp.floor);  // a tube may be as wide as the contact lasts
   is_parting_ = state.phase == Phase::kUndecided && state.was_touching;
 }
 
 PieceOutcome PieceRun::run() {
   const std::size_t before = events_.size();
+  const bool begins_open = state_.phase == Phase::kUndecided && state_.published;
   PieceOutcome outcome;
   if (search_.withinReach().empty()) {
     outcome.answer = Answer::kCulled;
@@ -73,6 +76,7 @@ PieceOutcome PieceRun::run() {
   for (std::size_t i = before; i < events_.size(); ++i) {
     if (events_[i].certificate == Certificate::kPossible) outcome.answer = Answer::kUndecided;
   }
+  if (begins_open) outcome.answer = Answer::kUndecided;  // up to the instant at which something was proved
   return outcome;
 }
 
@@ -238,8 +242,6 @@ void PieceRun::confirm(double from, double at, const ContactWitness& found,
   PairEvent& event = events_.back();
   event.kind = Kind::kImpact;
   writer_.finishImpact(event, from, at, pair, state_, sure_of_pair);
-  // Who starts within the rounding of contact may be on either side of the surface.
-  if (state_.pending.kind == Kind::kInitialOverlap) event.normal_error = M_PI;
   event.certificate = Certificate::kConfirmed;
   event.reason =
       event.toi_upper - event.toi_lower > options_.time_precision ? Reason::kPrecision : Reason::kNone;
@@ -266,7 +268,7 @@ void PieceRun::publishPossible(double at) {
     return;
   }
   if (state_.published) {  // up to an earlier piece's end; what is open of this one is another bracket
-    if (!(at > longest_gap_)) return;
+    if (!(at > least_rest_)) return;
     open(Kind::kImpact, 0.0, {});
   }
   PairEvent event = state_.pending;

@@ -52,7 +52,7 @@ class PieceRun {
   /// the end.
   bool resolve(double& t, std::optional<ContactWitness>& witness);
   /// A bracket that began at `from` is free at `at`, and the next one would begin soon: in less time than the
-  /// bracket has taken, or than a bracket may take?
+  /// bracket has taken, or than a bracket may take, or than the last budgets before a slow contact do?
   bool belongsTogether(double from, double at, const Search::First& next);
   /// Steps behind a bracket's start grow, so the last one may go too far: halves it where the bracket is
   /// wider than was asked for. Nothing is proved at `nothing`, contact is proved at `at`, and at the time
@@ -127,6 +127,7 @@ class PieceRun {
   double free_step_ = 0.0, free_end_ = 0.0;  ///< of the last bracket that a second look proved free
   bool is_parting_;     ///< an earlier piece has opened the separation, and no contact was proved since
   double longest_gap_;  ///< [s] that may be passed over between two proofs of contact
+  double least_rest_;   ///< [s] of an open question that ends in clearance and is an event of its own
   ElementPair opened_;
   ElementPair last_contact_;
   std::optional<ContactWitness> start_witness_;

@@ -34,7 +34,7 @@ void judge(const Health& health, Status& status) {
   if (!health.missing_joints.empty()) raise(Status::WARN, "no position of " + health.missing_joints.front());
   if (!stats.uncovered_objects.empty()) raise(Status::WARN, "no poses of " + stats.uncovered_objects.front());
   if (!silent.empty()) raise(Status::WARN, silent);
-  if (stats.rejected > 0) raise(Status::WARN, "poses rejected: not finite, or no unit quaternion");
+  if (stats.rejected > 0) raise(Status::WARN, "poses rejected: not finite, beyond 1e15 m, or no unit quaternion");
   if (stats.late > 0) raise(Status::WARN, "poses dropped: later than time.reorder allows");
   if (!health.lost.empty()) raise(Status::WARN, "messages lost on " + health.lost.begin()->first);
 }

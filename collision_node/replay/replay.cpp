@@ -290,7 +290,7 @@ class Run {
              << topic << " refused; the first: " << faults.first_refusal << '\n';
       if (faults.rejected > 0)
         err_ << "warning: " << faults.rejected << (faults.rejected == 1 ? " pose" : " poses") << " on "
-             << topic << " rejected: not finite, or no unit quaternion\n";
+             << topic << " rejected: not finite, beyond 1e15 m, or no unit quaternion\n";
     }
   }
 

@@ -68,7 +68,8 @@ void PairWatch::advance(const Step& step, Outbox& outbox, Costs& costs) {
   // What is clear of contact as modelled, but not certainly so, is not clear.
   last_ = outcome.answer;
   const bool seems_clear = last_ == impact::Answer::kCulled || last_ == impact::Answer::kClear;
-  const impact::Answer answer = seems_clear && model_.isUndecided() ? impact::Answer::kUndecided : last_;
+  const bool is_doubtful = model_.isUndecided() || with_error.answer == impact::Answer::kUndecided;
+  const impact::Answer answer = seems_clear && is_doubtful ? impact::Answer::kUndecided : last_;
   worst_ = worst_ ? std::max(*worst_, answer) : answer;
 
   has_advanced_ = true;

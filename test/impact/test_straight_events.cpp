@@ -45,6 +45,24 @@ TEST(StraightEvents, APointThroughASurfaceComesAndGoesInOneBracket) {
   }
 }
 
+TEST(StraightEvents, TheConeHoldsTheNormalOfAMeshThatIsPlacedFarFromItsBodysOrigin) {
+  Random random(20261127, 0);
+  using Long = Eigen::Matrix<Real, 3, 1>;
+  for (int i = 0; i < 200; ++i) {
+    const Quat turn = random.orientation();
+    PlacedShape box = boxMesh({1, 1, 1});
+    box.origin = {random.decade(-1, 7) * random.direction(), turn};
+    const Real x = turn.x(), y = turn.y(), z = turn.z(), w = turn.w(), n2 = x * x + y * y + z * z + w * w;
+    const Long up(2 * (x * z + w * y) / n2, 2 * (y * z - w * x) / n2, 1 - 2 * (x * x + y * y) / n2);
+    const Vec3 out = up.cast<double>(), hit = box.origin.position + turn * Vec3(0.3, 0.2, 1);
+    const Flown flown({box}, {placed(Point{})}, hit + 0.5 * out, hit - 0.5 * out);
+    ASSERT_EQ(flown.watched.story(), "IMPACT CONFIRMED") << flown.watched.list();
+    const PairEvent& in = flown.event(0);
+    EXPECT_LE(up.cross(in.normal.cast<Real>()).norm(), in.normal_error) << flown.watched.list();
+    EXPECT_LE(in.normal_error, 1e-13 + 1e-14 * box.origin.position.norm());
+  }
+}
+
 TEST(StraightEvents, APointThroughASolidHasAnEntryAndAnExit) {
   const Flown flown({boxMesh({1, 1, 1})}, {placed(Point{})}, {3, 0.2, 0.1}, {-3, 0.2, 0.1});
   ASSERT_EQ(flown.watched.story(), kInAndOut) << flown.watched.list();

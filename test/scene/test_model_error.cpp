@@ -224,6 +224,27 @@ TEST(EngineModelError, AMissByLessThanTheTubeIsPossibleAndSaysSoInTheStats) {
   EXPECT_EQ(undecided, 1u);
 }
 
+// model_error.md: "`~stats` counts the pair among `pairs_undecided` until something is", up to that instant.
+TEST(EngineModelError, AnApproachThatWasLeftOpenIsUndecidedUpToItsClearance) {
+  auto scene = std::make_shared<Scene>(*sceneOf({fixedSphere("post", 0.0), movingSphere("visitor")}));
+  scene->objects[1].acceleration = 2.0;
+  scene->stats_period = 0.1;  // every pose
+  Rig rig(scene, impact::MethodName::kCertified);
+  Nanoseconds t = 0;
+  for (const double x : {-1.0, -0.05, -0.05, -0.05, -0.05, -1.0, -2.0}) {
+    motion::StampedPose pose = poseAt(t, x);
+    pose.pose.position.y() = 1.001;
+    rig.engine.addPose(1, pose);
+    t += 100;
+  }
+  rig.engine.flush();
+  EXPECT_EQ(kinds(rig.events), std::vector<std::string>{"IMPACT/POSSIBLE/GRAZING"});
+  std::string said;
+  for (const Stats& beat : rig.beats)
+    said += beat.pairs_undecided > 0 ? 'u' : beat.pairs_clear + beat.pairs_culled > 0 ? 'c' : '-';
+  EXPECT_EQ(said, "uuuuuc");
+}
+
 TEST(EngineModelError, AnImpactDeeperThanTheTubeIsCertain) {
   const auto rig = passBeside(-0.2, 2.0);
   ASSERT_EQ(kinds(rig->events),

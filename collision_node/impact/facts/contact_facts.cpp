@@ -178,6 +178,15 @@ Sight see(const PairPiece& piece, const Cores& cores, const ContactView& view, c
   return {n, cone, view.gap(), view.place(centre, view.topOfA()), disc};
 }
 
+/// Cores that lie flat in one plane, a point on a triangle, are seen from both sides alike. On which one the
+/// other is, only a gap beyond rounding tells, or what parted them before.
+bool tellsNoSide(const PairPiece& piece, const Cores& cores, const Vec3& n, const Parting* parting,
+                 const Instant& now, double moved) {
+  const double gap = cores.gapAlong(n);
+  if (gap > piece.point_error || (parting != nullptr && parting->at(now.t).dot(n) > 0.0)) return false;
+  return cores.gapAlong(-n) >= -2.0 * moved - std::max(0.0, -gap);
+}
+
 /// The side's identity and witness, from a point of the contact in world axes relative to A's origin.
 Side sideOf(const PosedCore& core, const Vec3& point, Feature feature) {
   Side side;
@@ -236,6 +245,8 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
     if (!seeNear(piece, cores, n, about, radius, {moved, turned}, tolerance, &sight))
       sight = see(piece, cores, ContactView(cores, n, buffers), n, closest, radius, {moved, turned});
   }
+  const bool no_side = tellsNoSide(piece, cores, sight.n, parting, now, moved);
+  if (no_side) sight.cone = M_PI;
   const double cone = sight.cone;
   f.normal = sight.n;
   f.normal_error = cone;
@@ -259,6 +270,11 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   f.a = sideOf(cores.a, f.position, sight.feature_a);
   f.b = sideOf(cores.b, f.position, sight.feature_b);
   addVelocities(piece, now, f);
+  const bool is_impact = apart_at == 0.0;
+  if (no_side && is_impact == (f.closing_speed < 0.0)) {  // the likelier side
+    f.normal = -f.normal;
+    f.closing_speed = -f.closing_speed;
+  }
   return f;
 }
 

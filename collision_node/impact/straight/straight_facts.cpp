@@ -31,7 +31,9 @@ Place placeOfPoint(const StraightPath& path, const PathContact& contact, const M
   const Vec3* vertices = path.triangles().vertices();
   const Vec3 &a = vertices[met.vertex[0]], e1 = vertices[met.vertex[1]] - a, e2 = vertices[met.vertex[2]] - a;
   const Vec3 n = e1.cross(e2);
-  const double length = n.norm(), error = 16.0 * kUnit * e1.lpNorm<1>() * e2.lpNorm<1>();
+  // Rounded, and of corners that were placed in the object's frame: an edge is off by twice that.
+  const double l1 = e1.lpNorm<1>(), l2 = e2.lpNorm<1>(), off = 2.0 * path.mesh().placingError();
+  const double length = n.norm(), error = 16.0 * kUnit * l1 * l2 + off * (l1 + l2 + off);
   Place place;
   place.point = path.at(contact.lower);
   place.direction = n.dot(path.velocity()) > 0.0 ? Vec3(-n / length) : Vec3(n / length);
