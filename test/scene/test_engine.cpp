@@ -147,17 +147,23 @@ TEST(Engine, C13_ATurnTooFarForSlerpIsNotCertified) {
   EXPECT_EQ(kinds(rig.events), (Kinds{"IMPACT/UNCERTIFIED/ALIAS", "SEPARATION/UNCERTIFIED/ALIAS"}));
 }
 
-// README: "poses are finite, their quaternions of length 1, and one topic keeps to one type and one frame"
+// README: "poses are finite and within 1e15 m, their quaternions of length 1, and one topic keeps to one type and
+// one frame"
 TEST(Engine, C33_BadPosesAreCountedAndHarmless) {
   Rig rig(sceneOf({movingSphere("ball"), fixedSphere("wall", 10.0)}));
   rig.feedLine(0, 0, 400, 100, 0.0, 20.0);
   motion::StampedPose bad = poseAt(450, 9.0);
   bad.pose.orientation.w() = std::nan("");
   rig.engine.addPose(0, bad);
+  rig.engine.addPose(0, poseAt(460, 1.1e15));
+  rig.engine.addPose(0, poseAt(470, -1.1e15));
+  bad = poseAt(480, 9.0);
+  bad.pose.orientation.w() = 1.01;
+  rig.engine.addPose(0, bad);
   rig.feedLine(0, 400, 1000, 100, 0.0, 20.0);  // 400 comes twice
   rig.engine.flush();
   const Stats stats = rig.engine.stats();
-  EXPECT_EQ(stats.rejected, 1u);
+  EXPECT_EQ(stats.rejected, 4u);
   EXPECT_EQ(stats.duplicate, 1u);
   EXPECT_EQ(stats.accepted, 11u);
   EXPECT_EQ(rig.events.size(), 2u);
