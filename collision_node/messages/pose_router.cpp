@@ -204,6 +204,11 @@ void PoseRouter::deliver(const std::string& topic, int object, const motion::Sta
   sink_(object, pose, kind);
 }
 
+/// A publisher that leaves header.stamp empty sends one instant over and over.
+void PoseRouter::lookAtStamp(const std::string& topic, const motion::StampedPose& pose, StampKind kind) {
+  if (kind == StampKind::kSent && pose.stamp_ns == 0) ++faults_[topic].unstamped;
+}
+
 void PoseRouter::flush() { tf_.flush(); }
 
 void PoseRouter::clockWentBack() {
@@ -296,6 +301,7 @@ void PoseRouter::handlePoses(const std::string& topic, const RawMessage& message
 
 void PoseRouter::take(const std::string& topic, Target& target, const PoseReading& reading) {
   takeFrame(topic, target, reading);
+  lookAtStamp(topic, reading.pose, reading.kind);
   motion::StampedPose checked = reading.pose;
   // What hangs on a bad pose would be counted as bad, too.
   const bool is_bad = target.has_parts && motion::checkAndNormalise(checked) != motion::PoseFault::kNone;
@@ -308,7 +314,8 @@ void PoseRouter::take(const std::string& topic, Target& target, const PoseReadin
 void PoseRouter::handleJoints(const std::string& topic, const RawMessage& message) {
   try {
     joints_.at(topic).take(readJointStates(message),
-                           [this](const JointEdges::Edge& edge, const motion::StampedPose& pose) {
+                           [&](const JointEdges::Edge& edge, const motion::StampedPose& pose) {
+                             lookAtStamp(topic, pose, StampKind::kSent);
                              tf_.add(edge.parent, edge.child, pose, StampKind::kSent);
                            });
   } catch (const std::runtime_error& error) {  // PoseError, TfError
@@ -327,9 +334,10 @@ void PoseRouter::handleTf(const std::string& topic, const RawMessage& message) {
     motion::StampedPose pose;
     pose.stamp_ns = toNanoseconds(transform.header.stamp);
     pose.pose = {Vec3(t.x, t.y, t.z), Quat(q.w, q.x, q.y, q.z)};
+    const StampKind kind = topic == kTfStatic ? StampKind::kAlways : StampKind::kSent;
+    lookAtStamp(topic, pose, kind);
     try {
-      tf_.add(withoutSlash(transform.header.frame_id), withoutSlash(transform.child_frame_id), pose,
-              topic == kTfStatic ? StampKind::kAlways : StampKind::kSent);
+      tf_.add(withoutSlash(transform.header.frame_id), withoutSlash(transform.child_frame_id), pose, kind);
     } catch (const TfError& error) {
       if (fault.empty()) fault = "topic " + topic + ": " + error.what();
     }

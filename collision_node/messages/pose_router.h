@@ -24,6 +24,7 @@ struct TopicFaults {
   std::uint64_t refused = 0;   ///< messages: another frame, type or length than the scene needs
   std::string first_refusal;   ///< one line
   std::uint64_t rejected = 0;  ///< poses: NaN, Inf or no unit quaternion; handed on, the engine drops them
+  std::uint64_t unstamped = 0;  ///< poses and joint positions whose stamp is 0; of one stamp the first stands
 };
 
 /// Takes raw messages by topic and hands poses to the engine. One caller at a time.
@@ -109,6 +110,7 @@ class PoseRouter {
   void checkTypeFor(const std::string& topic, const std::string& datatype, const std::string& md5sum) const;
   void addTopic(const std::string& topic);
   void useTf();
+  void lookAtStamp(const std::string& topic, const motion::StampedPose& pose, StampKind kind);
   void deliver(const std::string& topic, int object, const motion::StampedPose& pose, StampKind kind);
   void takeFrame(const std::string& topic, Target& target, const PoseReading& reading);
   void take(const std::string& topic, Target& target, const PoseReading& reading);

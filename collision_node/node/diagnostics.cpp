@@ -28,13 +28,17 @@ void judge(const Health& health, Status& status) {
   const std::string silent =
       health.without_publisher.empty() ? "" : "nobody publishes " + list(health.without_publisher);
   if (!health.has_pairs) raise(Status::WARN, "no pair is watched: nothing can be reported");
+  for (const auto& [topic, faults] : health.faults)
+    if (faults.unstamped > 1)
+      raise(Status::WARN, "no stamps on " + topic + ": header.stamp is 0 again and again");
   if (stats.accepted == 0 && !stats.has_watermark)
     raise(Status::WARN, "no pose has arrived yet" + (silent.empty() ? "" : ": " + silent));
   if (!health.unconnected.empty()) raise(Status::WARN, "tf does not connect " + health.unconnected.front());
   if (!health.missing_joints.empty()) raise(Status::WARN, "no position of " + health.missing_joints.front());
   if (!stats.uncovered_objects.empty()) raise(Status::WARN, "no poses of " + stats.uncovered_objects.front());
   if (!silent.empty()) raise(Status::WARN, silent);
-  if (stats.rejected > 0) raise(Status::WARN, "poses rejected: not finite, beyond 1e15 m, or no unit quaternion");
+  if (stats.rejected > 0)
+    raise(Status::WARN, "poses rejected: not finite, beyond 1e15 m, or no unit quaternion");
   if (stats.late > 0) raise(Status::WARN, "poses dropped: later than time.reorder allows");
   if (!health.lost.empty()) raise(Status::WARN, "messages lost on " + health.lost.begin()->first);
 }
@@ -74,6 +78,7 @@ Status diagnose(const Health& health) {
   for (const auto& [topic, faults] : health.faults) {
     if (faults.refused > 0) add("refused on " + topic, std::to_string(faults.refused));
     if (faults.rejected > 0) add("rejected on " + topic, std::to_string(faults.rejected));
+    if (faults.unstamped > 0) add("stamp 0 on " + topic, std::to_string(faults.unstamped));
   }
   return status;
 }

@@ -291,6 +291,10 @@ class Run {
       if (faults.rejected > 0)
         err_ << "warning: " << faults.rejected << (faults.rejected == 1 ? " pose" : " poses") << " on "
              << topic << " rejected: not finite, beyond 1e15 m, or no unit quaternion\n";
+      if (faults.unstamped > 1)
+        err_ << "warning: " << faults.unstamped << " poses on " << topic
+             << " have the stamp 0, and of one stamp only the first counts: its publisher must fill in "
+                "header.stamp, the instant when the object was there\n";
     }
   }
 

@@ -324,11 +324,20 @@ TEST(PoseRouter, jointsHangOnTheObjectsOwnPoses) {
 
 TEST(PoseRouter, aBadPoseOfTheBaseIsCountedOnceAndAsItsOwn) {
   Robot r;
-  r.send("/joints", jointAt(0, 1));
-  r.send("/base", poseIn("world", 0, std::nan("")));
+  r.send("/joints", jointAt(50, 1));
+  r.send("/base", poseIn("world", 50, std::nan("")));
   ASSERT_EQ(r.objects, std::vector<int>{0});
   EXPECT_EQ(r.router.faults().at("/base").rejected, 1u);
   EXPECT_EQ(r.router.faults().count("/joints"), 0u);
+}
+
+TEST(PoseRouter, posesAndJointsOfStampZeroAreCountedByTopic) {
+  Robot r;
+  for (const int x : {0, 1, 2}) r.send("/base", poseIn("world", 0, x));
+  for (const int angle : {0, 1}) r.send("/joints", jointAt(0, angle));
+  r.send("/base", poseIn("world", 50, 3));
+  EXPECT_EQ(r.router.faults().at("/base").unstamped, 3u);
+  EXPECT_EQ(r.router.faults().at("/joints").unstamped, 2u);
 }
 
 TEST(PoseRouter, whatIsInNoPairIsNotHeard) {

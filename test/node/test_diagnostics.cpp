@@ -63,6 +63,17 @@ TEST(Diagnostics, refusedMessagesAreAnErrorAndCountedByTopic) {
   EXPECT_EQ(valueOf(status, "rejected"), "5");
 }
 
+TEST(Diagnostics, namesTheTopicWithoutStamps) {
+  Health health = watching();
+  health.faults["/ball/pose"].unstamped = 1;
+  EXPECT_EQ(diagnose(health).level, Status::OK) << "a simulation may begin at 0";
+  health.faults["/ball/pose"].unstamped = 2;
+  const Status status = diagnose(health);
+  EXPECT_EQ(status.level, Status::WARN);
+  EXPECT_EQ(status.message, "no stamps on /ball/pose: header.stamp is 0 again and again");
+  EXPECT_EQ(valueOf(status, "stamp 0 on /ball/pose"), "2");
+}
+
 TEST(Diagnostics, namesTheJointThatIsWaitedFor) {
   Health health = watching();
   health.messages = 12;

@@ -124,6 +124,22 @@ TEST_F(Cut, rejectedPosesAreToldByTopic) {
   EXPECT_NE(got.err.find("1 pose on /ball/pose rejected"), std::string::npos) << got.err;
 }
 
+TEST_F(Cut, aTopicWithoutStampsIsTold) {
+  const std::string bag = path("unstamped.bag");
+  {
+    rosbag::Bag out(bag, rosbag::bagmode::Write);
+    for (int i = 0; i < 60; ++i) {
+      auto pose = ballPose(i);
+      const ros::Time received = pose.header.stamp;
+      pose.header.stamp = ros::Time();
+      out.write("/ball/pose", received, pose);
+    }
+  }
+  const Outcome got = replayed({scene_, bag});
+  EXPECT_EQ(got.code, 0);
+  EXPECT_NE(got.err.find("60 poses on /ball/pose have the stamp 0"), std::string::npos) << got.err;
+}
+
 /// Stamps run from the same start in every round; the recording goes on.
 TEST_F(Cut, eachRoundOfALoopLiesAmongItsOwnInputs) {
   const std::string bag = path("loop.bag");
