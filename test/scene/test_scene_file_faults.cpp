@@ -26,7 +26,7 @@ tme: {}
   EXPECT_HAS(text, "scene.yaml:5: objects/a/pose/indx: unknown key 'indx'; nearest known: 'index'");
   EXPECT_HAS(text, "scene.yaml:7: objects/b/box/size: element 1 is 0; must be > 0 [m]");
   EXPECT_HAS(text, "scene.yaml:6: objects/b: no pose; write pose: {topic: ");
-  EXPECT_HAS(text, "scene.yaml:8: pairs/ignore: unknown object 'c'; nearest known: 'a'");
+  EXPECT_HAS(text, "scene.yaml:8: pairs/ignore: unknown object 'c'; known here: a, b");
   EXPECT_HAS(text, "scene.yaml:9: tme: unknown key 'tme'; nearest known: 'time'");
   EXPECT_EQ(lines(text), 7u);
 }
@@ -35,7 +35,10 @@ TEST_F(SceneFaults, TextThatIsNoScene) {
   EXPECT_HAS(refusal(""), "scene.yaml: no objects; write objects:");
   EXPECT_HAS(refusal("objects: {}\n"), "scene.yaml:1: objects: an empty scene; name at least one object");
   EXPECT_HAS(refusal("objects:\n"), "an empty scene");
-  EXPECT_HAS(refusal("objects: [a, b]\n"), "scene.yaml:1: objects: a list is not a map");
+  EXPECT_HAS(refusal("objects: [a, b]\n"),
+             "scene.yaml:1: objects: a list is not a map; write objects: {<name>: {pose: …, <shape>: …}}");
+  EXPECT_HAS(refusal("world_frame: map\nobjects:\n\ta:\n\t\tpose: {tf: a}\n"),
+             "; line 3 is indented by a tab: indent by spaces");
   EXPECT_HAS(refusal("- a\n- b\n"), "the scene is not a map");
   EXPECT_EQ(lines(refusal("- a\n- b\n")), 1u);
   EXPECT_HAS(refusal("a: b\nobjects: {a: [}\n"), "scene.yaml:2: not valid YAML: ");
@@ -96,6 +99,11 @@ TEST_F(SceneFaults, Shapes) {
   EXPECT_HAS(object("sphere: {}"), "objects/o/sphere: no radius given");
   EXPECT_HAS(object("sphere: {radius: 1, radios: 2}"),
              "objects/o/sphere/radios: unknown key 'radios'; nearest known: 'radius'");
+  EXPECT_HAS(object("sphere: {radius: 1,5}"), "unknown key '5'; numbers have a decimal point, no comma");
+  EXPECT_HAS(object("sphere:\n      radius: 1,5"),
+             "objects/o/sphere/radius: '1,5' is not a number (write 1.5), > 0 [m]");
+  EXPECT_HAS(object("sphere: {radius: 1}\n    contact_distance: 0.1"),
+             "unknown key 'contact_distance'; known here: point, sphere, box, ");
   EXPECT_HAS(object("sphere: 3"), "objects/o/sphere: '3' is not a map; write sphere: {radius: <number>}");
   EXPECT_HAS(object("mesh: tank.stl"),
              "objects/o/mesh: 'tank.stl' is not a map; write mesh: {file: <path or package:// URI>}");
@@ -164,7 +172,10 @@ TEST_F(SceneFaults, Poses) {
   };
   EXPECT_HAS(pose("{}"), "scene.yaml:4: objects/o/pose: give exactly one of: topic, tf, fixed; found 0");
   EXPECT_HAS(pose("{topic: a, tf: b}"), "objects/o/pose: give exactly one of: topic, tf, fixed; found 2");
-  EXPECT_HAS(pose("a/pose"), "objects/o/pose: 'a/pose' is not a map");
+  EXPECT_HAS(pose("a/pose"),
+             "objects/o/pose: 'a/pose' is not a map; write pose: {topic: …}, {tf: …} or {fixed: ");
+  EXPECT_HAS(pose("{fixed: true}"),
+             "objects/o/pose/fixed: 'true' is not a map; write fixed: {position: [x, y, z], ");
   EXPECT_HAS(pose("{topic: }"), "objects/o/pose/topic: nothing found; must be a text");
   EXPECT_HAS(pose("{topic: ''}"), "objects/o/pose/topic: an empty text found");
   EXPECT_HAS(pose("{tf: /}"), "objects/o/pose/tf: '/' is no frame");

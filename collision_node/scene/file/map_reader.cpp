@@ -29,7 +29,11 @@ std::string notAReal(const YamlNode& node) {
   if (node.kind == Kind::kScalar && isNotFiniteWord(node.text)) {
     return node.text + " is not finite; must be a finite number";
   }
-  return describe(node) + " is not a number";
+  std::string with_point = node.kind == Kind::kScalar ? node.text : "";
+  std::replace(with_point.begin(), with_point.end(), ',', '.');
+  double value = 0.0;
+  const bool has_comma = with_point != node.text && parseReal(with_point, value);
+  return describe(node) + " is not a number" + (has_comma ? " (write " + with_point + ")" : "");
 }
 
 }  // namespace
@@ -70,10 +74,10 @@ std::string describe(const YamlNode& node) {
   return "nothing";
 }
 
-MapReader::MapReader(const YamlNode* node, std::string path, Faults& faults)
+MapReader::MapReader(const YamlNode* node, std::string path, Faults& faults, const std::string& form)
     : node_(node), path_(std::move(path)), faults_(faults) {
   if (node_ == nullptr || node_->kind == Kind::kMap || node_->kind == Kind::kNull) return;
-  fault("", describe(*node_) + " is not a map; write keys with values");
+  fault("", describe(*node_) + " is not a map; write " + form);
   node_ = nullptr;
 }
 
@@ -100,7 +104,9 @@ const YamlNode* MapReader::find(const std::string& key) {
 
 bool MapReader::has(const std::string& key) { return find(key) != nullptr; }
 
-MapReader MapReader::map(const std::string& key) { return MapReader(find(key), path(key), faults_); }
+MapReader MapReader::map(const std::string& key, const std::string& form) {
+  return MapReader(find(key), path(key), faults_, form);
+}
 
 std::optional<double> MapReader::real(const std::string& key, const Limit& limit) {
   const YamlNode* node = find(key);
@@ -213,9 +219,12 @@ std::optional<std::size_t> MapReader::choice(const std::string& key, const std::
 
 void MapReader::done() {
   for (const auto& [key, value] : entries()) {
-    if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
-      fault(key, "unknown key '" + key + "'" + nearestHint(key, known_));
-    }
+    if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
+    // {radius: 0,1} is a map of radius and 1.
+    const bool is_fraction =
+        key.find_first_not_of("0123456789") == std::string::npos && value.kind == Kind::kNull;
+    fault(key, "unknown key '" + key + "'" +
+                   (is_fraction ? "; numbers have a decimal point, no comma" : nearestHint(key, known_)));
   }
 }
 

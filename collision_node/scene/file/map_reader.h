@@ -29,13 +29,15 @@ inline constexpr Limit durationOrZero() { return {0.0, true, "s", 3e9}; }
 class MapReader {
  public:
   /// `node` null or of kind kNull reads as an empty map; any other kind but a map is a fault. `path` is the
-  /// key path for messages, "" at the top. Both `node` and `faults` must outlive the reader.
-  MapReader(const YamlNode* node, std::string path, Faults& faults);
+  /// key path for messages, "" at the top; `form` is what to write instead. Both `node` and `faults` must
+  /// outlive the reader.
+  MapReader(const YamlNode* node, std::string path, Faults& faults,
+            const std::string& form = "keys with values");
 
   bool has(const std::string& key);
   const YamlNode* find(const std::string& key);
   /// The map under `key`; an absent one reads as empty.
-  MapReader map(const std::string& key);
+  MapReader map(const std::string& key, const std::string& form = "keys with values");
 
   std::optional<double> real(const std::string& key, const Limit& limit);
   std::optional<Vec3> vec3(const std::string& key);

@@ -42,7 +42,7 @@ void readObjects(MapReader& top, ObjectContext context, Scene& scene, Faults& fa
     top.fault("", "no objects; write objects: with one entry per object");
     return;
   }
-  MapReader reader = top.map("objects");
+  MapReader reader = top.map("objects", "objects: {<name>: {pose: …, <shape>: …}}");
   if (!reader.good()) return;
   if (reader.entries().empty()) reader.fault("", "an empty scene; name at least one object");
   std::vector<std::string> names;

@@ -18,15 +18,17 @@ bool endsWith(const std::string& text, const std::string& end) {
 }
 
 class SourceReader {
+  static constexpr const char* kForms = "pose: {topic: …}, {tf: …} or {fixed: {position: …, orientation: …}}";
+
  public:
   SourceReader(MapReader& reader, Object whole) : reader_(reader), whole_(std::move(whole)) {}
 
   std::vector<Object> read() {
     const bool has_joints = reader_.has("joints");
     if (!reader_.has("pose")) {
-      reader_.fault("", "no pose; write pose: {topic: …}, {tf: …} or {fixed: {position: …, orientation: …}}");
+      reader_.fault("", std::string("no pose; write ") + kForms);
     } else {
-      MapReader pose = reader_.map("pose");
+      MapReader pose = reader_.map("pose", kForms);
       if (pose.good()) readPose(pose);
       if (links_ && has_joints)
         pose.fault("links", "links: true and joints both say how the links move; give one of them");
@@ -51,7 +53,8 @@ class SourceReader {
       if (source.tf_frame.empty()) pose.fault("tf", "'/' is no frame; write the frame's name");
     }
     if (pose.has("fixed")) {
-      MapReader fixed = pose.map("fixed");
+      MapReader fixed =
+          pose.map("fixed", "fixed: {position: [x, y, z], orientation: [x, y, z, w]} or fixed: {}");
       if (const auto value = fixed.pose()) source.fixed = *value;
       fixed.done();
     }

@@ -91,6 +91,18 @@ class Copier {
   bool overflowed_ = false;
 };
 
+/// What yaml-cpp says of a line that a tab indents does not name the tab.
+std::string tabHint(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    const std::string indent = line.substr(0, line.find_first_not_of(" \t"));
+    if (indent.size() < line.size() && indent.find('\t') != std::string::npos)
+      return "; line " + std::to_string(number) + " is indented by a tab: indent by spaces";
+  }
+  return {};
+}
+
 /// The one document of `text`; reports and returns false when it has none or several.
 bool parseOne(const std::string& text, const std::string& where, bool is_file, YAML::Node& result,
               Faults& faults) {
@@ -106,7 +118,7 @@ bool parseOne(const std::string& text, const std::string& where, bool is_file, Y
   } catch (const YAML::Exception& error) {
     const std::string line =
         is_file && !error.mark.is_null() ? ":" + std::to_string(error.mark.line + 1) : std::string();
-    faults.add(where + line + ": not valid YAML: " + oneLine(error.msg));
+    faults.add(where + line + ": not valid YAML: " + oneLine(error.msg) + tabHint(text));
     return false;
   }
 }
@@ -224,7 +236,14 @@ std::string nearestWord(const std::string& word, const std::vector<std::string>&
 
 std::string nearestHint(const std::string& word, const std::vector<std::string>& known) {
   const std::string nearest = nearestWord(word, known);
-  return nearest.empty() ? std::string() : "; nearest known: '" + nearest + "'";
+  if (nearest.empty()) return {};
+  // What shares less than half its letters is no typing error: all that may stand there helps more.
+  constexpr std::size_t kMost = 24;
+  if (2 * editDistance(word, nearest) <= std::max(word.size(), nearest.size()) || known.size() > kMost)
+    return "; nearest known: '" + nearest + "'";
+  std::string all;
+  for (const std::string& other : known) all += (all.empty() ? "" : ", ") + other;
+  return "; known here: " + all;
 }
 
 }  // namespace collision_node::scene

@@ -41,7 +41,7 @@ YamlNode readYaml(const std::string& file, const Overrides& overrides, Faults& f
 /// then the first; "" when `known` is empty.
 std::string nearestWord(const std::string& word, const std::vector<std::string>& known);
 
-/// "; nearest known: 'x'" or "" when there is none.
+/// "; nearest known: 'x'"; "; known here: x, y" when `word` is like none of them; "" when there is none.
 std::string nearestHint(const std::string& word, const std::vector<std::string>& known);
 
 }  // namespace collision_node::scene
