@@ -201,6 +201,9 @@ void PoseRouter::deliver(const std::string& topic, int object, const motion::Sta
     if (is_bad) ++rejected_parents_;
     return;
   }
+  const bool is_slerp =
+      scene_->objects[static_cast<std::size_t>(object)].motion == scene::MotionModel::kSlerp;
+  if (!is_slerp && !pose.has_twist && kind != StampKind::kAlways) ++faults_[topic].twistless;
   sink_(object, pose, kind);
 }
 

@@ -31,6 +31,9 @@ void judge(const Health& health, Status& status) {
   for (const auto& [topic, faults] : health.faults)
     if (faults.unstamped > 1)
       raise(Status::WARN, "no stamps on " + topic + ": header.stamp is 0 again and again");
+  for (const auto& [topic, faults] : health.faults)
+    if (faults.twistless > 0)
+      raise(Status::WARN, "no twists on " + topic + ", from which motion: hermite and spin are made");
   if (stats.accepted == 0 && !stats.has_watermark)
     raise(Status::WARN, "no pose has arrived yet" + (silent.empty() ? "" : ": " + silent));
   if (!health.unconnected.empty()) raise(Status::WARN, "tf does not connect " + health.unconnected.front());
@@ -78,6 +81,7 @@ Status diagnose(const Health& health) {
   for (const auto& [topic, faults] : health.faults) {
     if (faults.refused > 0) add("refused on " + topic, std::to_string(faults.refused));
     if (faults.rejected > 0) add("rejected on " + topic, std::to_string(faults.rejected));
+    if (faults.twistless > 0) add("no twist on " + topic, std::to_string(faults.twistless));
     if (faults.unstamped > 0) add("stamp 0 on " + topic, std::to_string(faults.unstamped));
   }
   return status;

@@ -28,10 +28,10 @@ struct Health {
   std::vector<std::string> unconnected;     ///< "'frame' to world_frame 'world'": tf has not said how
 };
 
-/// ERROR: messages that cannot be used. WARN: a scene without any pair, a topic without stamps, no pose has
-/// arrived at all, a topic without publisher, a frame that tf does not connect, a joint that never came, an
-/// object that is silent, poses rejected or late, messages lost. OK: watching. The message names the first of
-/// them in that order.
+/// ERROR: messages that cannot be used. WARN: a scene without any pair, a topic without stamps or twists
+/// that are needed, no pose has arrived at all, a topic without publisher, a frame that tf does not connect,
+/// a joint that never came, an object that is silent, poses rejected or late, messages lost. OK: watching.
+/// The message names the first of them in that order.
 diagnostic_msgs::DiagnosticStatus diagnose(const Health& health);
 
 }  // namespace collision_node::node

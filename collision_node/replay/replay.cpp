@@ -295,6 +295,11 @@ class Run {
         err_ << "warning: " << faults.unstamped << " poses on " << topic
              << " have the stamp 0, and of one stamp only the first counts: its publisher must fill in "
                 "header.stamp, the instant when the object was there\n";
+      if (faults.twistless > 0)
+        err_ << "warning: " << faults.twistless << (faults.twistless == 1 ? " pose" : " poses") << " on "
+             << topic
+             << " without the twist that motion: hermite and spin are made from (Odometry has one): taken as "
+                "slerp, UNCERTIFIED, ALIAS\n";
     }
   }
 

@@ -74,6 +74,15 @@ TEST(Diagnostics, namesTheTopicWithoutStamps) {
   EXPECT_EQ(valueOf(status, "stamp 0 on /ball/pose"), "2");
 }
 
+TEST(Diagnostics, namesTheTopicWithoutTwistsThatAreNeeded) {
+  Health health = watching();
+  health.faults["/ball/pose"].twistless = 9;
+  const Status status = diagnose(health);
+  EXPECT_EQ(status.level, Status::WARN);
+  EXPECT_EQ(status.message, "no twists on /ball/pose, from which motion: hermite and spin are made");
+  EXPECT_EQ(valueOf(status, "no twist on /ball/pose"), "9");
+}
+
 TEST(Diagnostics, namesTheJointThatIsWaitedFor) {
   Health health = watching();
   health.messages = 12;

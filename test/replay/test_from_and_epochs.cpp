@@ -124,6 +124,22 @@ TEST_F(Cut, rejectedPosesAreToldByTopic) {
   EXPECT_NE(got.err.find("1 pose on /ball/pose rejected"), std::string::npos) << got.err;
 }
 
+TEST_F(Cut, aTopicWithoutTheTwistsThatItsMotionIsMadeFromIsTold) {
+  const std::string bag = path("twistless.bag");
+  {
+    rosbag::Bag out(bag, rosbag::bagmode::Write);
+    for (int i = 0; i < 60; ++i) out.write("/ball/pose", ballPose(i).header.stamp, ballPose(i));
+  }
+  EXPECT_EQ(replayed({scene_, bag}).err, "");
+  for (const char* motion : {"hermite", "spin"}) {
+    std::string text = kScene;
+    text.insert(text.find("    sphere"), std::string("    motion: ") + motion + "\n");
+    const Outcome got = replayed({folder_.write("moved.yaml", text), bag});
+    EXPECT_EQ(got.code, 0);
+    EXPECT_NE(got.err.find("60 poses on /ball/pose without the twist"), std::string::npos) << got.err;
+  }
+}
+
 TEST_F(Cut, aTopicWithoutStampsIsTold) {
   const std::string bag = path("unstamped.bag");
   {
