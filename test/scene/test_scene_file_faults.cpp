@@ -40,6 +40,7 @@ TEST_F(SceneFaults, TextThatIsNoScene) {
   EXPECT_HAS(refusal("world_frame: map\nobjects:\n\ta:\n\t\tpose: {tf: a}\n"),
              "; line 3 is indented by a tab: indent by spaces");
   EXPECT_HAS(refusal("- a\n- b\n"), "the scene is not a map");
+  EXPECT_HAS(refusal("#ROSBAG V2.0\n"), "scene.yaml: a bag, not a scene; the scene is named first");
   EXPECT_EQ(lines(refusal("- a\n- b\n")), 1u);
   EXPECT_HAS(refusal("a: b\nobjects: {a: [}\n"), "scene.yaml:2: not valid YAML: ");
   EXPECT_EQ(lines(refusal("a: b\nobjects: {a: [}\n")), 1u);

@@ -213,7 +213,12 @@ YamlNode readYaml(const std::string& file, const Overrides& overrides, Faults& f
   root.where = file;
   std::string text;
   YAML::Node document;
-  if (!readText(file, text, faults) || !parseOne(text, file, true, document, faults)) return root;
+  if (!readText(file, text, faults)) return root;
+  if (text.rfind("#ROSBAG", 0) == 0) {
+    faults.add(file + ": a bag, not a scene; the scene is named first, the bags behind it");
+    return root;
+  }
+  if (!parseOne(text, file, true, document, faults)) return root;
   root = Copier(file, "", faults).copy(document, "");
   if (root.kind != YamlNode::Kind::kMap && root.kind != YamlNode::Kind::kNull) {
     faults.add(root.where + ": the scene is not a map; write keys such as objects:, each with its value");
