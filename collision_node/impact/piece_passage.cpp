@@ -21,8 +21,7 @@ bool PieceRun::closeStraight(const PathContact& met, std::optional<ContactWitnes
   state_.contact = event;
   state_.phase = next;
   if (next == Phase::kApart) {
-    event.kind = Kind::kSeparation;
-    events_.push_back(event);
+    events_.push_back(separationBehind(event));
   } else if (path.radius() == 0.0) {
     witness.emplace();  // held by the solid
     witness->point = event.position - pair_.motion.originOfA(event.toi_lower);
@@ -55,8 +54,7 @@ bool PieceRun::passed(double from, double at, double& t) {
       event.reason = Reason::kNone;
       events_.push_back(event);
       state_.contact = event;
-      event.kind = Kind::kSeparation;
-      events_.push_back(event);
+      events_.push_back(separationBehind(event));
       state_.phase = Phase::kApart;
       t = at;
       return true;

@@ -111,11 +111,12 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
     d_[2] = (b.c[2] + 3.0 * b.c[3] * ob) - (a.c[2] + 3.0 * a.c[3] * oa);
     d_[3] = b.c[3] - a.c[3];
     magnitude += (d_[1].norm() - line_rate) * reach;
-    double power = reach;
-    for (int k = 2; k < 4; ++k) {
-      power *= reach;
-      magnitude += 4.0 * (a.c[k].norm() + b.c[k].norm()) * power;
-    }
+    // What rounding made of c_2 grows with the whole segment's bend, however little of it the piece sees.
+    const auto bend = [&](const RigidMotion& m) {
+      const double whole = std::max(reach, secondsBetween(m.start_ns, m.end_ns));
+      return (m.c[2].norm() + m.c[3].norm() * whole) * (reach * reach);
+    };
+    magnitude += 4.0 * (bend(a) + bend(b));
   }
   const auto ownRounding = [&](bool straight, double speed) {
     return (straight ? kLineRounding : 64.0) * kUnit * speed * reach;

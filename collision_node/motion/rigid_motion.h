@@ -39,7 +39,7 @@ struct RigidMotion {
   Vec3 positionAt(double s) const { return c[0] + s * (c[1] + s * (c[2] + s * c[3])); }
   Vec3 velocity(double s) const { return c[1] + s * (2.0 * c[2] + 3.0 * s * c[3]); }
   bool isStraight() const { return areZero(c[2].data(), 3) && areZero(c[3].data(), 3); }  ///< and uniform
-  bool turns() const { return !areZero(omega.data(), 3); }
+  bool turns() const { return !areZero(omega.data(), 3) || turn_error > 0.0; }            ///< or may turn
 };
 
 RigidMotion fixedAt(const Pose& pose);

@@ -28,7 +28,8 @@ double tubeOf(const motion::ModelError& error, double reach) {
 /// Seconds from `ns`, and to which side they are rounded.
 double secondsFrom(Nanoseconds ns, const impact::PairEvent& event, double toi, double towards) {
   const double shift = motion::secondsBetween(ns, event.interval_start_ns);
-  return shift == 0.0 ? toi : std::nextafter(shift + toi, towards);
+  const double rounded = shift * (1.0 + std::copysign(0x1p-50, towards));  // 3 units, up or down
+  return shift == 0.0 ? toi : std::nextafter(rounded + toi, towards);
 }
 
 }  // namespace

@@ -38,7 +38,17 @@ TEST(Certified, APointThroughASurfaceGivesBothEventsInOneBracket) {
   EXPECT_LE(in.position_error, 1e-6);
   EXPECT_NEAR(in.normal.z(), 1.0, in.normal_error + 1e-12) << "from a to b";
   EXPECT_NEAR(in.closing_speed, 2000.0, 1e-6);
+  EXPECT_NEAR(out.normal.z(), -1.0, out.normal_error + 1e-12) << "it leaves on the other side";
+  EXPECT_NEAR(out.closing_speed, -2000.0, 1e-6);
   EXPECT_EQ(pair.state.phase, Phase::kApart);
+  // And of one that turns, by proof rather than in closed form.
+  Watched turning({moving::sheet(1)}, {point()});
+  turning.advance(0, kFrame, flight(0, kFrame, Vec3::Zero(), Vec3::Zero(), {0, 0, 1}),
+                  flight(0, kFrame, {0.3, 0.1, 10}, {0, 0, -2000}));
+  ASSERT_EQ(turning.story(), kInAndOut) << turning.list();
+  EXPECT_NEAR(turning.events[0].normal.z(), 1.0, 1e-9);
+  EXPECT_NEAR(turning.events[1].normal.z(), -1.0, 1e-9);
+  EXPECT_NEAR(turning.events[1].closing_speed, -2000.0, 1e-6);
 }
 
 TEST(Certified, InsideASolidIsTouching) {

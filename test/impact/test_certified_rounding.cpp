@@ -107,6 +107,119 @@ TEST(Certified, ASlowHitOfALargeTurningBodyIsOneImpact) {
   std::printf("%d of %d in several events, widest %.3f W\n", several, kCases, widest);
 }
 
+/// By how much of its cone and of its ball an event is off the true normal and point.
+struct Share {
+  double cone = 0.0, ball = 0.0;
+
+  void add(const PairEvent& e, const oracle::V3& normal, const oracle::V3& point) {
+    const oracle::V3 lean = oracle::exact(e.normal) - normal, off = oracle::exact(e.position) - point;
+    cone = std::max(cone, static_cast<double>(oracle::norm(lean)) / e.normal_error);
+    ball = std::max(ball, static_cast<double>(oracle::norm(off)) / e.position_error);
+  }
+};
+
+/// A cube of so many sides as a box, a hull and a mesh.
+std::vector<geometry::PlacedShape> cubes(double half, const Vec3& centre) {
+  std::vector<Vec3> vertices;
+  std::vector<moving::Corners> triangles;
+  moving::addBox(vertices, triangles, centre, Vec3::Constant(half));
+  const geometry::PlacedShape made = moving::mesh(vertices, triangles);
+  return {moving::placed(geometry::Box{Vec3::Constant(2 * half)}, centre),
+          moving::placed(geometry::Convex{std::get<geometry::Mesh>(made.shape).mesh}), made};
+}
+
+TEST(Certified, TheConeHoldsTheNormalOfAnEdgeMuchShorterThanTheSphereThatMeetsIt) {
+  // An edge of 2 mm is turned by what rounding moves its ends by, and a sphere of a kilometre swings with it.
+  constexpr double kHalf = 1e-3, kRadius = 1e3, kSpeed = 10.0;
+  constexpr Nanoseconds kSecond = 1'000'000'000;
+  const Vec3 centre(10, 7, 3), low = centre + Vec3(kHalf, kHalf, -kHalf),
+                               high = centre + Vec3::Constant(kHalf);
+  moving::Random random(20261127, 2);
+  Share share;
+  for (int i = 0; i < 200; ++i) {
+    const geometry::Quat q(Eigen::AngleAxisd(random.in(0, 3), random.direction()));
+    const Vec3 way = q * Vec3(1, random.in(0.5, 1.5), 0).normalized(), middle = q * (0.5 * (low + high));
+    const RigidMotion path = flight(0, kSecond, middle + (kRadius + 0.5 * kSpeed) * way, -kSpeed * way);
+    for (const geometry::PlacedShape& cube : cubes(kHalf, centre)) {
+      Watched pair({cube}, {sphere(kRadius)});
+      pair.advance(0, kSecond, resting(Vec3::Zero(), q), path);
+      ASSERT_EQ(pair.events.at(0).certificate, Certificate::kConfirmed) << pair.list();
+      const PairEvent& e = pair.events[0];
+      const oracle::M3 turn = oracle::rotationOf(q);
+      const oracle::V3 from = turn * oracle::exact(low), edge = turn * oracle::exact(high) - from;
+      const oracle::V3 at = oracle::exact(path.c[0]) + e.toi_lower * oracle::exact(path.c[1]) - from;
+      const oracle::V3 foot = (oracle::dot(at, edge) / oracle::dot(edge, edge)) * edge;
+      share.add(e, (1 / oracle::norm(at - foot)) * (at - foot), from + foot);
+    }
+  }
+  EXPECT_LE(share.cone, 1.0);
+  EXPECT_LE(share.ball, 1.0);
+}
+
+TEST(Certified, TheConeHoldsTheNormalOfABodyWhoseTurnIsBadlyTold) {
+  // The cube may be turned by `turn_error` about any axis: onto its face, its edge and its corner.
+  constexpr double kRadius = 1e5, kError = 1e-9;
+  constexpr Nanoseconds kSecond = 1'000'000'000;
+  moving::Random random(20261127, 3);
+  Share share;
+  for (int i = 0; i < 300; ++i) {
+    const int sides = 1 + i % 3;
+    const Vec3 way = sides == 1 ? Vec3(1, 0, 0) : sides == 2 ? Vec3(1, 0.9, 0) : Vec3(1, 0.9, 0.8);
+    const Vec3 n = way.normalized(), met(1, sides == 1 ? 0.3 : 1, sides == 3 ? 1 : 0.2);
+    RigidMotion told = resting();
+    told.turn_error = kError;
+    const RigidMotion path = flight(0, kSecond, met + (kRadius + 0.5) * n, -n);
+    const oracle::M3 turn = oracle::rotationBy(kError * oracle::exact(random.direction()));
+    for (const geometry::PlacedShape& cube : cubes(1.0, Vec3::Zero())) {
+      Watched pair({cube}, {sphere(kRadius)});
+      pair.advance(0, kSecond, told, path);
+      ASSERT_EQ(pair.events.at(0).certificate, Certificate::kConfirmed) << pair.list();
+      const PairEvent& e = pair.events[0];
+      // In the cube's axes the sphere's centre is nearest to a face's, an edge's or the corner's point.
+      const oracle::V3 at = oracle::exact(path.c[0]) + e.toi_lower * oracle::exact(path.c[1]);
+      const oracle::V3 seen = {oracle::dot(turn.column[0], at), oracle::dot(turn.column[1], at),
+                               oracle::dot(turn.column[2], at)};
+      const oracle::V3 near = {oracle::clampTo1(seen.x), oracle::clampTo1(seen.y), oracle::clampTo1(seen.z)};
+      const oracle::V3 off = seen - near;
+      share.add(e, turn * ((1 / oracle::norm(off)) * off), turn * near);
+    }
+  }
+  EXPECT_LE(share.cone, 1.0);
+  EXPECT_LE(share.ball, 1.0);
+}
+
+TEST(Certified, ABodyThatMayHaveTurnedAnyWayCertifiesNothing) {
+  // `motion: spin` about an axis so badly told that the number of turns is open: turn_error 2, and omega 0.
+  RigidMotion told = resting();
+  told.turn_error = 2.0;
+  for (const auto& shape : cubes(1.0, Vec3::Zero())) {
+    for (const double beside : {0.0, 1.2, 1.9}) {  // through it, past it, and beyond its reach
+      for (const double radius : {0.0, 0.01}) {
+        Watched pair({shape}, {radius > 0.0 ? sphere(radius) : point()});
+        const PieceOutcome outcome =
+            pair.advance(0, kFrame, told, flight(0, kFrame, {0.1, beside, 10}, {0, 0, -2000}));
+        const bool is_out_of_reach = beside > 1.8;
+        EXPECT_EQ(outcome.answer == Answer::kUndecided, !is_out_of_reach) << beside << pair.list();
+        for (const PairEvent& e : pair.events)
+          EXPECT_EQ(e.certificate, Certificate::kPossible) << pair.list();
+      }
+    }
+  }
+}
+
+TEST(Certified, WhatIsTooFarAwayForSquaresOfItsSizeIsNoFault) {
+  for (const double far : {1e76, 5e153, 1e160, 1e300}) {
+    for (const double size : {1.0, far}) {
+      for (const auto& shape : {sphere(size), box(size)}) {
+        Watched pair({shape}, {sphere(size)});
+        const auto outcome =
+            pair.advance(0, kFrame, resting(), flight(0, kFrame, {-far, 0, 0}, {60 * far, 0, 0}));
+        EXPECT_NE(outcome.answer, Answer::kClear) << far << ' ' << size;
+      }
+    }
+  }
+}
+
 TEST(Certified, AMeshAsSmallAsItsRoundingEntersASolidWithinW) {
   // No pair of triangles so narrow can be proved to meet; their points can be proved to be inside (inside.h).
   // W is DESIGN section 5's: eight budgets over the closing speed.

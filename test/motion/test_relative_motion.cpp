@@ -113,6 +113,34 @@ TEST(RelativeMotion, DisplacementAndRotationStayWithinTheirErrors) {
   EXPECT_GT(static_cast<double>(worst_r), 1e-3);
 }
 
+TEST(RelativeMotion, TheBeginningOfALongCubicStaysWithinItsError) {
+  // Its coefficients are rounded by what the whole segment does, however short the piece.
+  Random random(kSeed + 7);
+  double worst = 0.0;
+  for (int i = 0; i < 3000; ++i) {
+    StampedPose from, to;
+    to.stamp_ns = 1'000'000'000 + static_cast<Nanoseconds>(random.in(0, 1e8));
+    from.has_twist = to.has_twist = true;
+    const double h = secondsBetween(0, to.stamp_ns);
+    to.pose.position = random.vec(1e3);
+    to.linear = 3.0 / h * to.pose.position;
+    const RigidMotion path = hermite(from, to);
+    const RelativeMotion m(fixedAt(Pose()), path, 0, to.stamp_ns / (i % 2 == 0 ? 100 : 10000));
+    const double t = m.duration();
+    const Real exact_h = 1e-9L * static_cast<Real>(to.stamp_ns);
+    Real square = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Real mean = static_cast<Real>(to.pose.position[k]) / exact_h, last = to.linear[k];
+      const Real c2 = (3 * mean - last) / exact_h, c3 = (last - 2 * mean) / (exact_h * exact_h);
+      const Real off = (c2 + c3 * t) * t * t - static_cast<Real>(m.displacement(t)[k]);
+      square += off * off;
+    }
+    worst = std::max(worst, static_cast<double>(std::sqrt(square)) / m.translationError());
+  }
+  EXPECT_LE(worst, 1.0);
+  EXPECT_GE(worst, 0.01) << "the bound tells nothing";
+}
+
 TEST(RelativeMotion, SpeedAccelerationAndDistanceAreBounds) {
   // "sup |d'| and sup |d''| over the piece", "sup |d|".
   Random random(kSeed + 1);

@@ -23,6 +23,7 @@ inline V3 cross(const V3& a, const V3& b) {
 }
 inline Real norm(const V3& a) { return std::sqrt(dot(a, a)); }
 inline Real clamp01(Real u) { return std::min<Real>(1, std::max<Real>(0, u)); }
+inline Real clampTo1(Real u) { return std::min<Real>(1, std::max<Real>(-1, u)); }
 
 /// Any Eigen 3-vector of doubles, taken exactly.
 template <class EigenVector>

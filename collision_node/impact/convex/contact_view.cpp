@@ -202,10 +202,12 @@ void ContactView::commonDisc(double depth, double tilt_a, double tilt_b, double 
   Polygon &cap_a = buffers_.points, &cap_b = buffers_.points_b;
   cap(a_, buffers_.a, depth, tilt_a, cap_a);
   enclosingDisc(cap_a, centre, radius);
+  if (cap_a.empty()) return;  // lost where squares overflow
   const bool point_a = *radius <= kPoint * moved_a;
   *radius += moved_a;
   if (cap_a.size() == 1 && moved_a <= moved_b) return;  // nothing of B's can be smaller
   cap(b_, buffers_.b, depth, tilt_b, cap_b);
+  if (cap_b.empty()) return;
   Vec2 centre_b;
   double radius_b = 0.0;
   enclosingDisc(cap_b, &centre_b, &radius_b);

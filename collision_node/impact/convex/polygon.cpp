@@ -87,6 +87,11 @@ void grownIntersection(const Polygon& p, double grow_p, const Polygon& q, double
 
 void enclosingDisc(const Polygon& points, Vec2* centre, double* radius) {
   Vec2 low, high;
+  if (points.empty()) {
+    centre->setZero();
+    *radius = kInfinity;
+    return;
+  }
   boxOf(points, &low, &high);
   *centre = 0.5 * (low + high);
   *radius = 0.0;

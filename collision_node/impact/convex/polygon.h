@@ -18,7 +18,7 @@ void convexHull(Polygon& points, Polygon& hull);
 void grownIntersection(const Polygon& p, double grow_p, const Polygon& q, double grow_q, Polygon& both,
                        Polygon& scratch);
 
-/// A disc that holds the points: their box's centre and the farthest one.
+/// A disc that holds the points: their box's centre and the farthest one. Of none: infinite.
 void enclosingDisc(const Polygon& points, Vec2* centre, double* radius);
 
 /// Largest r such that the disc of radius r about the origin lies in the hull of `points`; 0 when outside.

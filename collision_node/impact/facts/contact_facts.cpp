@@ -222,7 +222,8 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   const double radius = ea.radius + eb.radius + piece.contact_distance;
   const double reach_a = coreReach(ea), reach_b = coreReach(eb);
 
-  const Turned turned{m.spinA() * span + earlier.angle, m.spinB() * span + earlier.angle};
+  const Turned turned{m.spinA() * span + earlier.angle + m.rotationErrorA(),
+                      m.spinB() * span + earlier.angle + m.rotationErrorB()};
   const double speed =
       m.velocity(now.t).norm() + span * m.maxAcceleration() + m.spinA() * reach_a + m.spinB() * reach_b;
   const double moved = speed * span + earlier.distance + 2.0 * piece.point_error;

@@ -12,12 +12,16 @@ namespace {
 
 /// How far the computed closest vector may lean from the exact one [rad].
 /// Any answer: |v - v*|^2 <= |v|^2 - v . w for the farthest w (the duality gap). Where every vertex outside
-/// the simplex lies clearly beyond its plane, the exact closest point is in the simplex too, and a point or
-/// segment is well conditioned: the error is of first order.
+/// the simplex lies clearly beyond its plane, the exact closest point is in the simplex too, and that of a
+/// point or segment is off in the first order: by what its ends are, over the distance, and by how that turns
+/// the segment, over its length.
 double directionError(const PairPiece& piece, const Cores& cores, const Closest& closest, double gap) {
   const double length = closest.v.norm();
   const double dual = std::sqrt((std::max(0.0, length - gap) + 8.0 * piece.point_error) / length);
-  if (closest.sure > 16.0 * piece.point_error) return 64.0 * piece.point_error / gap;
+  double simple = 64.0 * piece.point_error / gap;
+  if (closest.count == 2)
+    simple += 4.0 * piece.point_error / (closest.point[1].w - closest.point[0].w).norm();
+  if (closest.sure > 16.0 * piece.point_error) return simple;
   if (closest.count > 2) return dual;
   const Element &a = *cores.a.element, &b = *cores.b.element;
   if (a.vertices == nullptr || b.vertices == nullptr) return dual;
@@ -31,7 +35,7 @@ double directionError(const PairPiece& piece, const Cores& cores, const Closest&
       if (!in_simplex && !(w.dot(closest.v) > length * (length + 16.0 * piece.point_error))) return dual;
     }
   }
-  return 64.0 * piece.point_error / gap;
+  return simple;
 }
 
 /// Is one side's part in the closest points a single vertex, and too far ahead of its other vertices to lose

@@ -17,7 +17,7 @@ Vec3 bestNormal(const PairPiece& piece, const Instant& now, const Element& ea, c
 /// volume.
 bool shallowestNormal(const PairPiece& piece, const Cores& cores, Vec3* n);
 
-/// By how much each body may have turned, at most [rad].
+/// By how much each body may have turned since, or otherwise than computed, at most [rad].
 struct Turned {
   double a, b;
 };

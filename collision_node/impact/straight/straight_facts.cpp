@@ -168,6 +168,13 @@ __attribute__((flatten)) void writeStraight(const Piece& piece, const PairOption
   event.closing_speed = -event.relative_velocity.dot(event.normal);
 }
 
+PairEvent separationBehind(PairEvent impact) {
+  impact.kind = Kind::kSeparation;
+  impact.normal = -impact.normal;
+  impact.closing_speed = -impact.closing_speed;
+  return impact;
+}
+
 PairState::Phase phaseBehind(const StraightPath& path, const PathContact& contact) {
   if (path.radius() > 0.0) return PairState::Phase::kTouching;
   bool into_solid = false;

@@ -12,6 +12,9 @@ namespace collision_node::impact {
 void writeStraight(const Piece& piece, const PairOptions& options, const StraightPath& path,
                    const PathContact& contact, PairEvent& event);
 
+/// Who has passed a surface within the impact's bracket leaves it on the other side.
+PairEvent separationBehind(PairEvent impact);
+
 /// What a pair that was apart is, behind a contact on a straight path: a sphere touches; a point is inside
 /// what it went into if that is solid, and apart again if that is a surface. Through several solids at once:
 /// not known, kUndecided.

@@ -26,8 +26,7 @@ std::optional<PieceOutcome> shoot(const Body& a, const Body& b, const Piece& pie
   events->emplace_back();
   writeStraight(piece, options, *path, contact, events->back());
   if (next == PairState::Phase::kApart) {
-    events->push_back(events->back());
-    events->back().kind = Kind::kSeparation;
+    events->push_back(separationBehind(events->back()));
   }
   return outcome;
 }
