@@ -23,7 +23,7 @@ namespace collision_node::messages {
 struct TopicFaults {
   std::uint64_t refused = 0;    ///< messages: another frame, type or length than the scene needs
   std::string first_refusal;    ///< one line
-  std::uint64_t rejected = 0;   ///< poses: NaN, Inf or no unit quaternion; handed on, the engine drops them
+  std::uint64_t rejected = 0;   ///< poses that are none (checkAndNormalise); handed on, the engine drops them
   std::uint64_t unstamped = 0;  ///< poses and joint positions whose stamp is 0; of one stamp the first stands
   std::uint64_t twistless = 0;  ///< poses without the twist that their object's motion is made from
 };

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/motion/seconds_from.h"
+
+
 namespace collision_node::scene {
 
 namespace {
@@ -23,13 +26,6 @@ double originSpeed(const motion::RigidMotion& motion) {
 /// Of any point of the body. NaN: no bound.
 double tubeOf(const motion::ModelError& error, double reach) {
   return error.angle == 0.0 ? error.position : error.position + error.angle * reach;
-}
-
-/// Seconds from `ns`, and to which side they are rounded.
-double secondsFrom(Nanoseconds ns, const impact::PairEvent& event, double toi, double towards) {
-  const double shift = motion::secondsBetween(ns, event.interval_start_ns);
-  const double rounded = shift * (1.0 + std::copysign(0x1p-50, towards));  // 3 units, up or down
-  return shift == 0.0 ? toi : std::nextafter(rounded + toi, towards);
 }
 
 }  // namespace
@@ -105,7 +101,8 @@ void ModelWatch::take(const std::vector<impact::PairEvent>& events) {
       if (confirmed && !last.confirmed) {
         last.confirmed = true;
         last.upper = upper;
-        last.event.toi_upper = secondsFrom(last.event.interval_start_ns, event, event.toi_upper, kInfinity);
+        last.event.toi_upper = motion::secondsFrom(last.event.interval_start_ns, event.interval_start_ns,
+                                                   event.toi_upper, kInfinity);
         last.ball = kNoBound;
       }
       continue;
@@ -164,12 +161,14 @@ std::optional<ModelWatch::Answer> ModelWatch::answer(const impact::PairEvent& ev
   const bool reaches =
       last && (last->confirmed || last->has_given_up || !last->has_ended || !(last->upper < lower));
   if (!reaches) return answer;
-  const double begin = secondsFrom(event.interval_start_ns, last->event, last->event.toi_lower, -kInfinity);
+  const double begin = motion::secondsFrom(event.interval_start_ns, last->event.interval_start_ns,
+                                           last->event.toi_lower, -kInfinity);
   answer.toi_lower = std::min(begin, event.toi_lower);
   if (last->upper < lower) return answer;  // the approach began with an earlier impact
   const bool is_closed = last->confirmed || (last->has_ended && !last->has_given_up);
   if (last->confirmed) {
-    const double end = secondsFrom(event.interval_start_ns, last->event, last->event.toi_upper, kInfinity);
+    const double end = motion::secondsFrom(event.interval_start_ns, last->event.interval_start_ns,
+                                           last->event.toi_upper, kInfinity);
     answer.toi_upper = std::max(end, event.toi_upper);
   }
   if (is_closed) answer.position_error = (last->ball + (last->event.position - event.position).norm()) * kUp;

@@ -1,23 +1,8 @@
 /// The certified solver's state machine (certified.cpp, pair_method.h; DESIGN's meaning of each event).
-#include <gtest/gtest.h>
-
-#include "test/impact/watched_pair.h"
+#include "test/impact/certified.h"
 
 namespace collision_node::impact {
 namespace {
-
-using motion::RigidMotion;
-using moving::flight;
-using moving::holds;
-using moving::kFrame;
-using moving::kInAndOut;
-using moving::resting;
-using moving::Watched;
-using Phase = PairState::Phase;
-
-geometry::PlacedShape point() { return moving::placed(geometry::Point{}); }
-geometry::PlacedShape sphere(double radius) { return moving::placed(geometry::Sphere{radius}); }
-geometry::PlacedShape box(double size) { return moving::placed(geometry::Box{Vec3::Constant(size)}); }
 
 /// b flies down from z = 10 at `speed`, over (x, y).
 void drop(Watched& pair, double x, double y, double speed) {

@@ -1,21 +1,8 @@
 /// The certified solver where rounding, or a tube, is as large as what it looks at.
-#include <gtest/gtest.h>
-
-#include "test/impact/watched_pair.h"
+#include "test/impact/certified.h"
 
 namespace collision_node::impact {
 namespace {
-
-using motion::RigidMotion;
-using moving::flight;
-using moving::holds;
-using moving::kFrame;
-using moving::resting;
-using moving::Watched;
-
-geometry::PlacedShape point() { return moving::placed(geometry::Point{}); }
-geometry::PlacedShape sphere(double radius) { return moving::placed(geometry::Sphere{radius}); }
-geometry::PlacedShape box(double size) { return moving::placed(geometry::Box{Vec3::Constant(size)}); }
 
 TEST(Certified, WhoStartsWithinTheRoundingOfAMeshHasAnyNormal) {
   for (const double above : {-3e-15, -0x1p-53, 0x1p-52, 3e-15}) {

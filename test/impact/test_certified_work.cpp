@@ -1,21 +1,8 @@
 /// What the certified solver spends: no more than its bounds need, and with a spent budget nothing is lost.
-#include <gtest/gtest.h>
-
-#include "test/impact/watched_pair.h"
+#include "test/impact/certified.h"
 
 namespace collision_node::impact {
 namespace {
-
-using motion::RigidMotion;
-using moving::flight;
-using moving::holds;
-using moving::kFrame;
-using moving::resting;
-using moving::Watched;
-
-geometry::PlacedShape point() { return moving::placed(geometry::Point{}); }
-geometry::PlacedShape sphere(double radius) { return moving::placed(geometry::Sphere{radius}); }
-geometry::PlacedShape box(double size) { return moving::placed(geometry::Box{Vec3::Constant(size)}); }
 
 TEST(Certified, ASpentBudgetIsSaidAndNeverClear) {
   // "budget met: POSSIBLE, reason BUDGET": the truth lies in the bracket; a larger budget only shrinks it.

@@ -63,24 +63,28 @@ TEST(Diagnostics, refusedMessagesAreAnErrorAndCountedByTopic) {
   EXPECT_EQ(valueOf(status, "rejected"), "5");
 }
 
+void expectWarning(const Health& health, const std::string& message, const std::string& key,
+                   const std::string& value) {
+  const Status status = diagnose(health);
+  EXPECT_EQ(status.level, Status::WARN);
+  EXPECT_EQ(status.message, message);
+  EXPECT_EQ(valueOf(status, key), value);
+}
+
 TEST(Diagnostics, namesTheTopicWithoutStamps) {
   Health health = watching();
   health.faults["/ball/pose"].unstamped = 1;
   EXPECT_EQ(diagnose(health).level, Status::OK) << "a simulation may begin at 0";
   health.faults["/ball/pose"].unstamped = 2;
-  const Status status = diagnose(health);
-  EXPECT_EQ(status.level, Status::WARN);
-  EXPECT_EQ(status.message, "no stamps on /ball/pose: header.stamp is 0 again and again");
-  EXPECT_EQ(valueOf(status, "stamp 0 on /ball/pose"), "2");
+  expectWarning(health, "no stamps on /ball/pose: header.stamp is 0 again and again", "stamp 0 on /ball/pose",
+                "2");
 }
 
 TEST(Diagnostics, namesTheTopicWithoutTwistsThatAreNeeded) {
   Health health = watching();
   health.faults["/ball/pose"].twistless = 9;
-  const Status status = diagnose(health);
-  EXPECT_EQ(status.level, Status::WARN);
-  EXPECT_EQ(status.message, "no twists on /ball/pose, from which motion: hermite and spin are made");
-  EXPECT_EQ(valueOf(status, "no twist on /ball/pose"), "9");
+  expectWarning(health, "no twists on /ball/pose, from which motion: hermite and spin are made",
+                "no twist on /ball/pose", "9");
 }
 
 TEST(Diagnostics, namesTheJointThatIsWaitedFor) {

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/motion/seconds_from.h"
+
+
 namespace collision_node::impact {
 
 PairEvent EventWriter::stamped(Kind kind, const Instant& now) const {
@@ -114,10 +117,8 @@ void EventWriter::joinNeighbours(PairEvent& event, ContactFacts& facts, const Br
 }
 
 void EventWriter::fill(PairEvent& event, const ContactFacts& facts, double reference, double upper) const {
-  const double shift = motion::secondsBetween(event.interval_start_ns, piece_.start_ns);
-  event.toi_upper = shift == 0.0 ? upper
-                                 : std::nextafter(shift * (1.0 + 8.0 * kUnit) + upper,
-                                                  std::numeric_limits<double>::infinity());
+  event.toi_upper = motion::secondsFrom(event.interval_start_ns, piece_.start_ns, upper,
+                                        std::numeric_limits<double>::infinity());
   event.toi_upper = std::max(event.toi_upper, event.toi_lower);
   event.position = pair_.motion.originOfA(reference) + facts.position;
   event.position_error = facts.position_error;
