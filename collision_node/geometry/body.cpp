@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
 
 #include "collision_node/geometry/convex_hull.h"
@@ -118,7 +119,10 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       const TriangleMesh& mesh = *std::get<Mesh>(shape).mesh;
       const auto first_vertex = static_cast<std::int32_t>(vertices_.size());
       vertices_.reserve(vertices_.size() + mesh.vertices.size());
-      for (const Vec3& p : mesh.vertices) vertices_.push_back(place(p));
+      for (const Vec3& p : mesh.vertices) {
+        vertices_.push_back(place(p));
+        checkReach(vertices_.back(), static_cast<int>(s));
+      }
       first_triangle_of_shape_[s] = static_cast<std::int32_t>(triangles_.size());
       triangles_.reserve(triangles_.size() + mesh.triangles.size());
       Components components(mesh.vertices.size());
@@ -147,6 +151,8 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
       e.vertices = e.count > Primitive::kCorners ? hull_vertices_[hull++].data() : p.corners.data();
     if (!std::holds_alternative<Convex>(shapes_[e.shape].shape)) e.frame = &p.frame;
     boxes.push_back(boundsOf(e));
+    checkReach(boxes.back().lower, e.shape);
+    checkReach(boxes.back().upper, e.shape);
   }
   if (triangles_.empty() && boxes.empty())
     throw std::invalid_argument("a body needs at least one triangle or primitive");
@@ -155,6 +161,14 @@ Body::Body(std::vector<PlacedShape> shapes) : shapes_(std::move(shapes)) {
   storeInOrderOfTheTree(order);
   bvh_.addPlates(vertices_, triangles_);
   measure();
+}
+
+void Body::checkReach(const Vec3& place, int shape) const {
+  if ((place.array().abs() <= kLargestLength).all()) return;
+  std::ostringstream text;
+  text << shapes_[static_cast<std::size_t>(shape)].source << " reaches " << place.cwiseAbs().maxCoeff()
+       << " m from its object's origin; it must stay within " << kLargestLength << " m";
+  throw std::invalid_argument(text.str());
 }
 
 void Body::addPrimitive(Element element, const CoreFrame& frame, const std::vector<Vec3>& vertices) {

@@ -45,7 +45,8 @@ struct Element {
 /// Immutable after construction, but for what says otherwise; safe to share between threads.
 class Body {
  public:
-  /// `shapes` are placed in the object's frame. Throws std::invalid_argument when empty.
+  /// `shapes` are placed in the object's frame. Throws std::invalid_argument when empty,
+  /// and when one reaches beyond kLargestLength.
   explicit Body(std::vector<PlacedShape> shapes);
   Body(const Body&) = delete;  // elements point into their own body
   Body& operator=(const Body&) = delete;
@@ -99,6 +100,7 @@ class Body {
   };
 
   /// `vertices` in the object's frame; none for a cylinder. Where they are kept is known when all are there.
+  void checkReach(const Vec3& place, int shape) const;
   void addPrimitive(Element element, const CoreFrame& frame, const std::vector<Vec3>& vertices);
   void storeInOrderOfTheTree(const std::vector<std::int32_t>& order);
   /// Sets radius_ and reach_.

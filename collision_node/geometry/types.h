@@ -10,6 +10,10 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using Quat = Eigen::Quaterniond;
 
+/// [m] What is farther from its origin is refused: squares and sums of more leave the doubles' grid, and more
+/// by far the floats of a BVH.
+constexpr double kLargestLength = 1e15;
+
 /// A rigid transform: p_parent = orientation * p_child + position. The quaternion is unit.
 struct Pose {
   Vec3 position = Vec3::Zero();

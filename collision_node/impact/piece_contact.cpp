@@ -145,7 +145,10 @@ void PieceRun::persist(double& t, ContactWitness& witness, double until) {
   const auto renew = [&](double from_depth) {
     ContactWitness fresh;
     fresh.shrunk = from_depth;
-    if (!touchesAt(pair_, now, a, b, closestPoints(Cores(now, a, b), Vec3::Zero(), enough), fresh)) return;
+    const Closest closest = closestPoints(Cores(now, a, b), Vec3::Zero(), enough);
+    if (!(has_radius && touchesDeep(pair_, now, a, b, closest, fresh)) &&
+        !touchesAt(pair_, now, a, b, closest, fresh))
+      return;
     fresh.element_a = witness.element_a;
     fresh.element_b = witness.element_b;
     witness = std::move(fresh);

@@ -7,7 +7,7 @@ namespace collision_node::motion {
 namespace {
 
 constexpr double kNormTolerance = 1e-2;  // on |q|^2 - 1; the contract's limit, not a numerical tolerance
-constexpr double kLargest = 1e15;  // [m], [m/s], [rad/s]: beyond it squares and sums leave the doubles' grid
+constexpr double kLargest = geometry::kLargestLength;  // [m], but also [m/s] and [rad/s]
 
 }  // namespace
 

@@ -352,5 +352,29 @@ TEST(Body, ManyTrianglesAtOnePlaceStillMakeATree) {
 
 TEST(Body, RefusesNoShapes) { EXPECT_THROW(Body({}), std::invalid_argument); }
 
+TEST(Body, RefusesWhatReachesTooFar) {
+  // "beyond kLargestLength": a box of the tree would be infinite, and nothing could be proved.
+  const auto refusal = [](const Shape& shape, const Vec3& at) -> std::string {
+    try {
+      Body({{shape, {at, Quat::Identity()}, "it"}});
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const Vec3 here = Vec3::Zero();
+  EXPECT_EQ(refusal(Sphere{0.999e15}, here), "");
+  EXPECT_EQ(refusal(Sphere{1e39}, here),
+            "it reaches 1e+39 m from its object's origin; it must stay within 1e+15 m");
+  EXPECT_NE(refusal(Box{{1, 1, 2.1e15}}, here), "");
+  EXPECT_NE(refusal(Cylinder{1, 1e300}, here), "");
+  EXPECT_NE(refusal(Capsule{1, 1e300}, here), "");
+  EXPECT_NE(refusal(Point{}, {0, -1.1e15, 0}), "");
+  EXPECT_NE(refusal(Point{}, {0, std::nan(""), 0}), "");
+  const auto triangle = std::make_shared<const TriangleMesh>(
+      makeTriangleMesh({here, Vec3::UnitX(), Vec3(0, 1e16, 0)}, {{0, 1, 2}}, SolidChoice::kAuto, "mesh"));
+  EXPECT_NE(refusal(Mesh{triangle}, here), "");
+}
+
 }  // namespace
 }  // namespace collision_node::geometry

@@ -315,7 +315,7 @@ std::vector<std::string> check(const Case& c, const impact::PairMethod& method, 
   tally->transversal += truth.transversal;
   tally->well_apart += truth.well_apart;
   tally->events += static_cast<int>(events.size());
-  tally->gave_up += examination.gaveUp();
+  tally->gave_up += examination.gaveUp() > 0;
   tally->points_checked += examination.pointChecked();
   tally->normals_checked += examination.normalChecked();
   tally->most_node_tests = std::max(tally->most_node_tests, examination.outcome().node_tests);

@@ -196,7 +196,7 @@ TEST(Certified, ABodyThatMayHaveTurnedAnyWayCertifiesNothing) {
 
 TEST(Certified, WhatIsTooFarAwayForSquaresOfItsSizeIsNoFault) {
   for (const double far : {1e76, 5e153, 1e160, 1e300}) {
-    for (const double size : {1.0, far}) {
+    for (const double size : {1.0, 4e14}) {
       for (const auto& shape : {sphere(size), box(size)}) {
         Watched pair({shape}, {sphere(size)});
         const auto outcome =

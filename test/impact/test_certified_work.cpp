@@ -50,6 +50,29 @@ TEST(Certified, APairThatIsStillToBePartedSpendsNoMoreThanTheBudget) {
   }
 }
 
+TEST(Certified, WhatIsSmallAndDeepInATurningSolidCostsNoMoreThanWhatIsLarge) {
+  // limits.md: "The depth of the cores counts, too, so what is deep inside a solid, by more than 8 times its
+  // radius, costs no more than what is large.". A proof by such a ball's radius would last no longer than the
+  // root of it.
+  constexpr Nanoseconds kEnd = 400'000'000;
+  const auto turns = flight(0, kEnd, Vec3::Zero(), Vec3::Zero(), {100, 200, 50}),
+             inside = flight(0, kEnd, {0.03, 0.02, -0.01}, Vec3::Zero(), {30, -20, 100});
+  const geometry::PlacedShape box = moving::placed(geometry::Box{{0.2, 0.2, 0.2}}),
+                              coin = moving::placed(geometry::Cylinder{0.2, 0.15});
+  for (const geometry::PlacedShape& solid : {box, coin}) {
+    for (const double size : {1e-2, 1e-6, 1e-9, 1e-12}) {
+      for (const geometry::PlacedShape& small :
+           {moving::placed(geometry::Sphere{size}), moving::placed(geometry::Capsule{size, size}),
+            moving::placed(geometry::Capsule{size, 1e-3}),
+            moving::placed(geometry::Box{{size, size, size}})}) {
+        Watched pair({solid}, {small});
+        EXPECT_LT(pair.advance(0, kEnd, turns, inside).node_tests, 6000) << small.source << ' ' << size;
+        EXPECT_EQ(pair.story(), "INITIAL_OVERLAP CONFIRMED") << size << '\n' << pair.list();
+      }
+    }
+  }
+}
+
 TEST(Certified, APointThatAllButTouchesForAWhileCostsNoMoreThanItsBounds) {
   // Its path ends within the rounding of a cylinder's face: brackets open one after the other, and a second
   // look proves each of them free.

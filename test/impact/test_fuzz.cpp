@@ -41,13 +41,13 @@ fuzz::Tally run(MakeCase make, std::uint64_t seed, int first, int count, bool de
             << tally.well_apart << " well apart\n"
             << "events " << tally.events << ", transversal first contacts confirmed " << tally.confirmed_first
             << ", cases with an undecided bracket " << tally.with_possible << ", undecided "
-            << tally.undecided.size() << " (of them unprovable " << tally.unprovable << "), marches given up "
-            << tally.gave_up << "\nwidest first bracket " << tally.worst_width << " W, earliest "
-            << tally.worst_early << " W, sharp instants " << tally.sharp << " to " << tally.worst_sharp
-            << " of the step, points checked " << tally.points_checked << " (largest ball "
-            << tally.worst_ball << " m), normals checked " << tally.normals_checked << "\nmost node tests "
-            << tally.most_node_tests << "; oracle " << tally.oracle_seconds << " s, method "
-            << tally.method_seconds << " s\n";
+            << tally.undecided.size() << " (of them unprovable " << tally.unprovable
+            << "), pairs with a march given up " << tally.gave_up << "\nwidest first bracket "
+            << tally.worst_width << " W, earliest " << tally.worst_early << " W, sharp instants "
+            << tally.sharp << " to " << tally.worst_sharp << " of the step, points checked "
+            << tally.points_checked << " (largest ball " << tally.worst_ball << " m), normals checked "
+            << tally.normals_checked << "\nmost node tests " << tally.most_node_tests << "; oracle "
+            << tally.oracle_seconds << " s, method " << tally.method_seconds << " s\n";
   for (const auto& open : tally.undecided) {
     std::cout << "undecided: index " << open.index << " (" << open.kind << ")"
               << (open.budget_met ? ", budget spent" : "") << '\n';

@@ -110,22 +110,6 @@ TEST(Limits, limit_AWheelThatRollsCostsWithTheRootOfOneOverItsDepth) {
   EXPECT_NEAR(before, 2e5, 1e5);
 }
 
-TEST(Limits, limit_ASmallBallDeepInATurningBoxCostsWithTheRootOfOneOverItsRadius) {
-  constexpr moving::Nanoseconds kEnd = 400'000'000;
-  const auto turns = flight(0, kEnd, Vec3::Zero(), Vec3::Zero(), {100, 200, 50}),
-             inside = flight(0, kEnd, {0.03, 0.02, -0.01}, Vec3::Zero(), {30, -20, 100});
-  const auto testsOf = [&](const moving::PlacedShape& small) {
-    moving::Watched pair({box(0.2, 0.2, 0.2)}, {small});
-    const auto tests = static_cast<double>(pair.advance(0, kEnd, turns, inside).node_tests);
-    EXPECT_EQ(pair.story(), "INITIAL_OVERLAP CONFIRMED") << pair.list();
-    return tests;
-  };
-  const double ball = testsOf(sphere(1e-6));
-  EXPECT_NEAR(ball, 7e4, 3e4);
-  EXPECT_NEAR(testsOf(sphere(1e-8)) / ball, 10, 5);
-  for (const double size : {1e-6, 1e-8}) EXPECT_LT(testsOf(box(size, size, size)), 1e4) << size;
-}
-
 TEST(Limits, limit_WhatIsDeepInsideIsNotProvedWhileAnotherPartIsFlush) {
   const moving::PlacedShape ground = moving::boxMesh({5, 5, 1}, {0, 0, -1}),
                             plate = moving::placed(collision_node::geometry::Box{{1, 1, 0.2}}, {0, 0, 0.1}),

@@ -86,6 +86,10 @@ TEST_F(SceneFaults, NumbersOfTheWrongKind) {
     EXPECT_HAS(radius(value), std::string(value) + " is not finite; must be a finite number") << value;
   }
   EXPECT_HAS(radius("0"), "0 is out of range; must be > 0 [m]");
+  EXPECT_HAS(refusal("objects:\n  o: {sphere: {radius: 1e39}, pose: {fixed: {}}}\n"
+                     "  p: {point: {}, pose: {tf: p}}\n"),
+             "scene.yaml: objects/o: sphere reaches 1e+39 m from its object's origin; it must stay within "
+             "1e+15 m");
   EXPECT_HAS(radius("-0.5"), "-0.5 is out of range; must be > 0 [m]");
 }
 

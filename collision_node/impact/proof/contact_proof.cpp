@@ -196,6 +196,21 @@ bool touchesShrunk(const PairPiece& piece, const Instant& now, const Element& a,
   return best > 0.0;
 }
 
+/// Contact at this instant proved by the witness's wrap.
+bool holdsWrapped(const PairPiece& piece, const Instant& now, const Closest& closest,
+                  ContactWitness& witness) {
+  double share;
+  if (!wrapHolds(piece.point_error, now, now, witness.wrap, share)) return false;
+  witness.rounded = false;
+  witness.shrunk = 0.0;
+  // The common point: by GJK's weights where it found the origin inside, else the support of the nearest
+  // face.
+  witness.point.setZero();
+  for (int i = 0; i < closest.count; ++i)
+    witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
+  return true;
+}
+
 }  // namespace
 
 bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
@@ -222,23 +237,25 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
   if (a.count == 1 && b.count == 1) return false;  // two points: never provable
   if (!closest.overlap && closest.v.norm() > 16.0 * piece.point_error) return false;
   if (touchesShrunk(piece, now, a, b, closest.overlap ? closest.last : closest.v, witness)) return true;
-  const auto holds = [&] {
-    double share;
-    if (!wrapHolds(piece.point_error, now, now, witness.wrap, share)) return false;
-    witness.rounded = false;
-    witness.shrunk = 0.0;
-    // The common point: by GJK's weights where it found the origin inside, else the support of the nearest
-    // face.
-    witness.point.setZero();
-    for (int i = 0; i < closest.count; ++i)
-      witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
-    return true;
-  };
+  const auto holds = [&] { return holdsWrapped(piece, now, closest, witness); };
   // The tetrahedron in which the origin was found often is proof enough, though not one that lasts.
   if (!(witness.shrunk > 0.0) && wrapTetrahedron(closest, witness.wrap) && holds()) return true;
   for (double depth = 2.0 * piece.point_error; depth < 5e3 * piece.point_error; depth *= 8.0) {
     if (!buildWrap(cores, depth, witness.wrap)) return false;
     if (holds()) return true;
+  }
+  return false;
+}
+
+bool touchesDeep(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+                 const Closest& closest, ContactWitness& witness) {
+  if (!closest.overlap) return false;
+  constexpr double kStep = 8.0;  // also: how much deeper than the radius pays
+  const Cores cores(now, a, b);
+  const double least = kStep * std::max(a.radius + b.radius + piece.contact_distance, piece.point_error);
+  // A wrap that is asked for too deep is refused by the first plane that is not.
+  for (double depth = coreReach(a) + coreReach(b); depth > least; depth /= kStep) {
+    if (buildWrap(cores, depth, witness.wrap)) return holdsWrapped(piece, now, closest, witness);
   }
   return false;
 }

@@ -38,6 +38,11 @@ struct ContactWitness {
 bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
                const Closest& closest, ContactWitness& witness);
 
+/// The same by the depth of cores that overlap by much more than their radii and the contact distance: a
+/// proof that lasts where one by these would not.
+bool touchesDeep(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
+                 const Closest& closest, ContactWitness& witness);
+
 /// The same for two cores without a radius that were last seen apart with the closest points `before` and
 /// along `direction`, from A to B (null: neither is known), where a known feature of one of them reaches into
 /// the other: no search, and a proof of this instant only.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <stdexcept>
 
 #include "collision_node/scene/file/map_reader.h"
 #include "collision_node/scene/file/object_reader.h"
@@ -62,7 +63,7 @@ void readObjects(MapReader& top, ObjectContext context, Scene& scene, Faults& fa
 }
 
 /// Of links that are in some pair.
-void buildBodies(Scene& scene) {
+void buildBodies(Scene& scene, Faults& faults) {
   const std::vector<std::vector<std::uint64_t>> pairs = scene.pairs.countByLink(scene.objects);
   for (std::size_t i = 0; i < pairs.size(); ++i)
     for (std::size_t k = 0; k < pairs[i].size(); ++k) {
@@ -70,7 +71,13 @@ void buildBodies(Scene& scene) {
       Link& link = scene.objects[i].links[k];
       std::vector<geometry::PlacedShape> in_object = link.shapes;
       for (geometry::PlacedShape& shape : in_object) shape.origin = link.T_o_l * shape.origin;
-      link.body = std::make_shared<geometry::Body>(std::move(in_object));
+      try {
+        link.body = std::make_shared<geometry::Body>(std::move(in_object));
+      } catch (const std::invalid_argument& error) {
+        const std::string part =
+            link.name.empty() || link.name == scene.objects[i].name ? "" : ": link '" + link.name + "'";
+        faults.add(scene.file + ": objects/" + scene.objects[i].name + part + ": " + error.what());
+      }
     }
 }
 
@@ -101,7 +108,8 @@ std::shared_ptr<const Scene> loadScene(const std::string& file, const Resources&
   top.done();
   faults.throwIfAny();
 
-  buildBodies(*scene);
+  buildBodies(*scene, faults);
+  faults.throwIfAny();
   const bool has_pairs = scene->pairs.count(scene->objects) > 0;
   if (!has_pairs) {
     scene->warnings.push_back(
