@@ -132,7 +132,7 @@ class PairMethod {
   virtual bool knowsTubes() const { return false; }
 
   /// Nothing more will come (end of bag, flush): publishes an open undecided bracket as POSSIBLE, toi_upper
-  /// at the last piece's end. An open contact stays open and makes no event.
+  /// at the last piece's end, unless it was published before. An open contact stays open and makes no event.
   virtual void finish(PairState& state, std::vector<PairEvent>& events) const = 0;
 
   /// Nothing is swept through a gap, teleport, timeout or reset: finish(), then for an open contact one

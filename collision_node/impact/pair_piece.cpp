@@ -19,6 +19,7 @@ void setBudget(PairPiece& pair) {
                             motion.rotationErrorB() * b.reach() + a.placingError() + b.placingError();
   pair.point_error = 2.0 * pose_error + 64.0 * kUnit * (size + pair.speed * motion.duration());
   pair.point_error += pair.tube * (1.0 + 4.0 * kUnit);  // a true point counts like a badly computed one
+  pair.untold = pair.tube + 2.0 * (motion.turnErrorA() * a.reach() + motion.turnErrorB() * b.reach());
   // Seen from a frame that is off by an angle, everything at a distance is off by angle times distance, the
   // rate too.
   const double turned = (motion.rotationErrorA() + motion.rotationErrorB()) * size;

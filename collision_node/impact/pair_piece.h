@@ -79,6 +79,7 @@ struct PairPiece {
   RelativeMotion motion;
   double contact_distance;
   double tube;         ///< [m] Piece::tube
+  double untold;       ///< [m] what of point_error is no rounding: the tube, and turns that are told badly
   double point_error;  ///< [m]
   double rate_error;   ///< [m/s]
   double frame_error;  ///< [m] the same for points seen in a rotating body's frame, however far away they are

@@ -8,12 +8,12 @@
 namespace collision_node::impact {
 
 /// The pair touches at a contact distance that is wider by kFlush budgets, and is followed like any contact
-/// (of a tube by 8, else the true motion might be far away). Where that ends, the gap is wide enough to be
-/// proved: clearance is looked for at instants that grow up to a bracket's width.
+/// (of a tube, or a turn told badly, by 8, else the true motion might be far away). Where that ends, the gap
+/// is wide enough to be proved: clearance is looked for at instants that grow up to a bracket's width.
 PieceRun::Stretch PieceRun::between(double from, double to) {
   if (!(to - from > longest_gap_)) return {Stretch::kClose};
-  constexpr double kTubes = 8.0, kShareOfBudget = 0.25;
-  const double more = kTubes * pair_.tube + kFlush * (pair_.point_error - pair_.tube);
+  constexpr double kUntold = 8.0, kShareOfBudget = 0.25;
+  const double more = kUntold * pair_.untold + kFlush * std::max(0.0, pair_.point_error - pair_.untold);
   const PairPiece wider(pair_.a, pair_.b, pair_.motion, pair_.contact_distance + more, pair_.tube);
   PairOptions options = options_;
   options.node_budget -= std::min(options.node_budget, search_.nodeTests());

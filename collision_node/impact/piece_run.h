@@ -1,8 +1,9 @@
 /// The certified solver on one piece: a small state machine over what is proved.
 ///
 /// Guarantees (docs/solver.md; each has a test that quotes it):
-///   - Time that no event and no bracket covers is proved free of contact, or proved to be contact throughout
-///     up to gaps no longer than the bracket's width, or no wider than some rounding budgets (kFlush).
+///   - Time that no event and no bracket covers, and no piece that is answered undecided, is proved free of
+///     contact, or proved to be contact throughout up to gaps no longer than the bracket's width, or no wider
+///     than some rounding budgets (kFlush).
 ///   - CONFIRMED: apart before toi_lower, contact proved at or before toi_upper.
 ///   - What cannot be decided is published as POSSIBLE, never as clear.
 #pragma once

@@ -84,6 +84,9 @@ class RelativeMotion {
   double translationError() const { return translation_error_; }
   double rotationErrorA() const { return a_.error; }
   double rotationErrorB() const { return b_.error; }
+  /// What of it is no rounding: RigidMotion::turn_error.
+  double turnErrorA() const { return motion_a_.turn_error; }
+  double turnErrorB() const { return motion_b_.turn_error; }
 
   /// sup of the speed of each object's own origin in the world, over the piece [m/s].
   double ownSpeedA() const { return own_speed_a_; }

@@ -245,5 +245,89 @@ TEST(Certified, ABoxThatLandsAndRestsIsNoFlood) {
   EXPECT_EQ(pair.state.phase, Phase::kApart);
 }
 
+TEST(Certified, TheBallHoldsWhereWhatIsExactlyFlushBeganToTouch) {
+  // "Every point that the reported elements share at the first (or last) instant of the contact lies within
+  // position_error": of what has no volume and lies in a triangle's plane, no normal tells where.
+  constexpr Nanoseconds kEnd = 1'000'000'000;
+  constexpr double kSpeed = 1.0;
+  const geometry::PlacedShape ground = moving::mesh({{-1, -1, 0}, {3, -1, 0}, {1, 3, 0}}, {{0, 1, 2}}),
+                              plate =
+                                  moving::mesh({{0, 0, 0}, {-0.01, 0.01, 0}, {-0.01, -0.01, 0}}, {{0, 1, 2}});
+  for (const geometry::PlacedShape& slides : {point(), plate}) {
+    {  // touches first at the first instant, and the bracket is carried over three stamps
+      Watched pair({ground}, {slides});
+      for (Nanoseconds t = 0; t < kEnd; t += kEnd / 4)
+        pair.advance(t, t + kEnd / 4, resting(), flight(0, kEnd, Vec3::Zero(), {kSpeed, 0, 0}));
+      pair.finish();
+      ASSERT_FALSE(pair.events.empty());
+      const PairEvent& e = pair.events[0];
+      EXPECT_EQ(e.toi_lower, 0.0);
+      EXPECT_LE(e.position.norm(), e.position_error) << pair.list();
+    }
+    {  // above the ground by 1e-17 m, below it from the middle on
+      Watched pair({ground}, {slides});
+      pair.advance(0, kEnd, resting(), flight(0, kEnd, {0, 0, 1e-17}, {kSpeed, 0, -2e-17}));
+      pair.finish();
+      ASSERT_FALSE(pair.events.empty());
+      const PairEvent& e = pair.events[0];
+      EXPECT_TRUE(e.toi_lower <= 0.5 && e.toi_upper >= 0.5) << pair.list();
+      EXPECT_LE((e.position - Vec3(0.5 * kSpeed, 0, 0)).norm(), e.position_error) << pair.list();
+    }
+    {  // comes over the edge in the middle of a piece
+      Watched pair({ground}, {slides});
+      for (Nanoseconds t = 0; t < kEnd; t += kEnd / 2)
+        pair.advance(t, t + kEnd / 2, resting(), flight(0, kEnd, {-0.9, 0, 0}, {kSpeed, 0, 0}));
+      pair.finish();
+      ASSERT_FALSE(pair.events.empty());
+      const PairEvent& e = pair.events[0];
+      EXPECT_LE((e.position - Vec3(-0.5, 0, 0)).norm(), e.position_error) << pair.list();
+    }
+  }
+}
+
+TEST(Certified, WhoLeavesASolidPartsFromItsOuterSide) {
+  // A point is in a plate of 1e-7 m for 6e-7 s. What parted it, inside, from the face through which it leaves
+  // looks the other way.
+  const double x = 0x1.7b7c41ba5f04dp-3, y = 0x1.2f0649d7d109fp-4, z = 0x1.b33e0bb37fbc2p-25;
+  geometry::PlacedShape plate = moving::mesh(
+      {{-x, -y, -z}, {-x, y, -z}, {x, -y, -z}, {x, y, -z}, {-x, -y, z}, {x, -y, z}, {-x, y, z}, {x, y, z}},
+      {{0, 1, 2},
+       {2, 1, 3},
+       {4, 5, 6},
+       {5, 7, 6},
+       {0, 2, 4},
+       {2, 5, 4},
+       {1, 6, 3},
+       {3, 6, 7},
+       {0, 4, 1},
+       {1, 4, 6},
+       {2, 3, 5},
+       {3, 7, 5}});
+  plate.origin = {
+      {0x1.5651255cfe7b8p-4, -0x1.3848f1fc2fdcp-9, 0x1.a24a12afc2844p-5},
+      {-0x1.27a98a342fae3p-4, -0x1.0c4274298abd4p-1, -0x1.0ed418efb7231p-2, -0x1.9ce3c2d5177dbp-1}};
+  geometry::PlacedShape tip = point();
+  tip.origin.position = {0x1.308eda28557p-9, -0x1.3a5e2843c8207p-10, 0x1.e111a4b0b359p-10};
+  const auto a = flight(
+                 1'699'999'999'775'073'173, 1'700'000'000'543'054'925,
+                 {-0x1.7d33bf78e0f2dp+13, -0x1.dd5d2e2e6e715p+15, 0x1.4a5f1273247dep+13},
+                 {-0x1.5d299d1c97fcp-2, -0x1.4c28941b1ca01p-3, -0x1.0e474d3984adfp-2},
+                 {0x1.1b3b18aa180adp+2, 0x1.5081922afc376p-5, 0x1.7022a7f1f04c1p-1},
+                 {-0x1.5d339d38d2982p-1, -0x1.bc0870c217451p-6, 0x1.6a6f28fd6b2ddp-2, -0x1.475e4d0a42b38p-1}),
+             b = flight(
+                 1'700'000'000'090'801'599, 1'700'000'000'543'054'925,
+                 {-0x1.7d343f49c2017p+13, -0x1.dd5d5f849d46p+15, 0x1.4a5e961e37304p+13},
+                 {0x1.12483bea6044ap-4, -0x1.61e1bd82c3e9fp-1, 0x1.51326258556c2p-2},
+                 {-0x1.e587c743b8559p-5, 0x1.1beac8f2e888ap-2, 0x1.d2da9c6e79cffp-5},
+                 {-0x1.306a632101e05p-1, -0x1.6dece505abe9dp-2, -0x1.504a2c505c441p-1, 0x1.2eb6ed0001466p-2});
+  PairOptions options;
+  options.time_precision = 1e-13;
+  Watched pair({plate}, {tip}, options);
+  pair.advance(1'700'000'000'203'864'680, 1'700'000'000'316'927'762, a, b);
+  ASSERT_EQ(pair.story(), "IMPACT CONFIRMED, SEPARATION CONFIRMED") << pair.list();
+  EXPECT_GT(pair.events[0].closing_speed, 0.0) << pair.list();
+  EXPECT_LT(pair.events[1].closing_speed, 0.0) << pair.list();
+}
+
 }  // namespace
 }  // namespace collision_node::impact

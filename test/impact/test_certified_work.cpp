@@ -73,6 +73,23 @@ TEST(Certified, WhatIsSmallAndDeepInATurningSolidCostsNoMoreThanWhatIsLarge) {
   }
 }
 
+TEST(Certified, WhatIsTinyCostsNothingWhereNothingIsNear) {
+  // A cube turns with the far end of a long arm, and a point stands a tenth of a radius beside its circle:
+  // what the motion bends exceeds any share of the cube's size.
+  const auto turns = flight(0, 1'000'000'000, Vec3::Zero(), Vec3::Zero(), {0, 0, 3}),
+             stands = resting({-0.25, 0.1, 0});
+  for (const double size : {1e-2, 1e-4, 1e-8, 1e-12, 0.0}) {
+    for (const double distance : {0.0, 0.01}) {
+      PairOptions options;
+      options.contact_distance = distance;
+      Watched pair({moving::boxMesh(Vec3::Constant(0.5 * size), {0.3, 0, 0})}, {point()}, options);
+      const PieceOutcome outcome = pair.advance(0, 1'000'000'000, turns, stands);
+      EXPECT_EQ(outcome.answer, Answer::kClear) << size << '\n' << pair.list();
+      EXPECT_LT(outcome.node_tests, 50) << size;
+    }
+  }
+}
+
 TEST(Certified, APointThatAllButTouchesForAWhileCostsNoMoreThanItsBounds) {
   // Its path ends within the rounding of a cylinder's face: brackets open one after the other, and a second
   // look proves each of them free.
@@ -161,7 +178,7 @@ TEST(Certified, AMeshWithPoleRowsSinksIntoAFloorInBoundedWork) {
 }
 
 TEST(Certified, ABudgetSpentAnywhereLosesNoImpact) {
-  // "Time that no event and no bracket covers is proved free of contact", wherever the budget ends.
+  // "Time that no event and no bracket covers … is proved free of contact", wherever the budget ends.
   struct Row {
     geometry::PlacedShape a, b;
     std::vector<double> heights;  ///< of b at its true impacts

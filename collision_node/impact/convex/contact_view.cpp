@@ -181,7 +181,7 @@ void ContactView::cap(const Sight& sight, const std::vector<SeenPoint>& points, 
   const double z_low =
       std::abs(along) > 0.0 ? std::max(-1.0, 1.0 - depth / (std::abs(along) * e.half_length)) : -1.0;
   const double x_low = radial > 0.0 ? std::max(-r, r - depth / radial) : -r;
-  double reach = x_low > 0.0 ? std::sqrt(std::max(0.0, r * r - x_low * x_low)) : r;
+  double reach = x_low > 0.0 ? std::sqrt(std::max(0.0, (r - x_low) * (r + x_low))) : r;
   if (radial > 0.0 && tilt < 0.5 * radial) reach = std::min(reach, r * std::sin(2.0 * tilt / radial));
   const Vec3 middle = sight.see(e.centre);
   const Vec3 end = sight.turn * ((along >= 0.0 ? e.half_length : -e.half_length) * e.axis);

@@ -259,6 +259,19 @@ Axes rimAxes(const PairPiece& piece, const Instant& now, const Element& a, const
   return axes.all();
 }
 
+namespace {
+
+/// Along the two shortest edges of a triangle: of a sliver's normal, longer ones would lose the digits.
+void addFaceAxis(AxisList& axes, const Vec3 edges[3], const Vec3& omega) {
+  const double length2[3] = {edges[0].squaredNorm(), edges[1].squaredNorm(), edges[2].squaredNorm()};
+  const auto longest = std::max_element(length2, length2 + 3) - length2;
+  const Vec3 &first = edges[(longest + 1) % 3], &second = edges[(longest + 2) % 3];
+  const Vec3 n = first.cross(second);
+  axes.add(n, omega.cross(n), first.norm() * second.norm());
+}
+
+}  // namespace
+
 Axes featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b) {
   if (a.vertices != nullptr && b.vertices != nullptr && (a.count > 3 || b.count > 3)) return {};
   AxisList axes(now, a, b);
@@ -277,14 +290,8 @@ Axes featureAxes(const PairPiece& piece, const Instant& now, const Element& a, c
   const int count_a = a.count == 3 ? 3 : a.count - 1, count_b = b.count == 3 ? 3 : b.count - 1;
   for (int i = 0; i < count_a; ++i) edges_a[i] = now.ra * (a.vertices[(i + 1) % a.count] - a.vertices[i]);
   for (int j = 0; j < count_b; ++j) edges_b[j] = now.rb * (b.vertices[(j + 1) % b.count] - b.vertices[j]);
-  if (count_a == 3) {
-    const Vec3 n = edges_a[0].cross(edges_a[1]);
-    axes.add(n, m.omegaA().cross(n), edges_a[0].norm() * edges_a[1].norm());
-  }
-  if (count_b == 3) {
-    const Vec3 n = edges_b[0].cross(edges_b[1]);
-    axes.add(n, m.omegaB().cross(n), edges_b[0].norm() * edges_b[1].norm());
-  }
+  if (count_a == 3) addFaceAxis(axes, edges_a, m.omegaA());
+  if (count_b == 3) addFaceAxis(axes, edges_b, m.omegaB());
   for (int i = 0; i < count_a; ++i) {
     for (int j = 0; j < count_b; ++j) {
       const Vec3 n = edges_a[i].cross(edges_b[j]);

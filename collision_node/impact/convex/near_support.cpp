@@ -43,7 +43,7 @@ NearSupport::Cap NearSupport::cap(double depth, double tilt) const {
     const double r = half_[0];
     if (!leans_) cap.reach[0] = r;
     const double low = r - 2.0 * cap.reach[0];
-    double across = low > 0.0 ? std::sqrt(r * r - low * low) : r;
+    double across = low > 0.0 ? std::sqrt((r - low) * (r + low)) : r;
     // The support's place on the rim turns with the normal as the cylinder sees it.
     if (leans_ && tilt < 0.5 * slope_[0]) across = std::min(across, r * 2.0 * tilt / slope_[0]);
     cap.reach[1] = across;

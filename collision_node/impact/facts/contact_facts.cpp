@@ -179,12 +179,15 @@ Sight see(const PairPiece& piece, const Cores& cores, const ContactView& view, c
 }
 
 /// Cores that lie flat in one plane, a point on a triangle, are seen from both sides alike. On which one the
-/// other is, only a gap beyond rounding tells, or what parted them before.
-bool tellsNoSide(const PairPiece& piece, const Cores& cores, const Vec3& n, const Parting* parting,
-                 const Instant& now, double moved) {
+/// other is, only a gap beyond rounding tells, or what parted them before, or how thick they are: of the true
+/// normal n' every difference w has w.n' >= -moved, the highest one, too, and near -n no n' has that.
+bool tellsNoSide(const PairPiece& piece, const Cores& cores, const Vec3& n, double cone,
+                 const Parting* parting, const Instant& now, double moved) {
   const double gap = cores.gapAlong(n);
   if (gap > piece.point_error || (parting != nullptr && parting->at(now.t).dot(n) > 0.0)) return false;
-  return cores.gapAlong(-n) >= -2.0 * moved - std::max(0.0, -gap);
+  const Vec3 w = cores.b.place(cores.b.supportLocal(n)) - cores.a.place(cores.a.supportLocal(-n));
+  const double height = w.dot(n), across = (w - height * n).norm(), lean = std::min(cone, M_PI - cone);
+  return !(std::cos(lean) * height > 2.0 * moved + std::max(0.0, -gap) + std::sin(lean) * across);
 }
 
 /// The side's identity and witness, from a point of the contact in world axes relative to A's origin.
@@ -197,6 +200,16 @@ Side sideOf(const PosedCore& core, const Vec3& point, Feature feature) {
   return side;
 }
 
+/// [m] No point of the core, grown by its radius, is farther from `x`, both from A's origin.
+double farthestFrom(const PosedCore& core, const Vec3& x) {
+  const Element& e = *core.element;
+  double farthest = e.vertices == nullptr
+                        ? (core.place(e.centre) - x).norm() + std::hypot(e.rim_radius, e.half_length)
+                        : 0.0;
+  for (int i = 0; i < e.count; ++i) farthest = std::max(farthest, (core.place(e.vertices[i]) - x).norm());
+  return farthest + e.radius;
+}
+
 void addVelocities(const PairPiece& piece, const Instant& now, ContactFacts& f) {
   const RelativeMotion& m = piece.motion;
   f.relative_velocity = now.d_rate + m.omegaB().cross(f.position - now.d) - m.omegaA().cross(f.position);
@@ -206,6 +219,50 @@ void addVelocities(const PairPiece& piece, const Instant& now, ContactFacts& f) 
 /// What the world coordinates of a report add: A's origin is summed from terms of the world's size.
 double worldRounding(const PairPiece& piece) {
   return 8.0 * kUnit * (piece.motion.worldScaleA() + piece.motion.maxDistance());
+}
+
+/// Across a core that is a triangle, to either side; NaN where neither core has such a direction.
+Vec3 eitherSide(const Cores& cores) {
+  for (const PosedCore* core : {&cores.a, &cores.b}) {
+    const Element& e = *core->element;
+    if (e.vertices == nullptr || e.count != 3) continue;
+    const Vec3 n = (e.vertices[1] - e.vertices[0]).cross(e.vertices[2] - e.vertices[0]);
+    const double length = n.stableNorm();
+    if (length > 0.0) return *core->rotation * (n / length);
+  }
+  return Vec3::Constant(kNaN);
+}
+
+/// The side on which the bodies come together at an impact, and part at a separation.
+void takeLikelierSide(ContactFacts& f, bool is_impact) {
+  if (is_impact != (f.closing_speed < 0.0)) return;
+  f.normal = -f.normal;
+  f.closing_speed = -f.closing_speed;
+}
+
+/// Of cores that lie in one plane, exactly, so that nothing tells on which side: every shared point lies in
+/// both, which move by `own_a` and `own_b` [m] while the contact begins.
+ContactFacts describeFlush(const PairPiece& piece, const Instant& now, const Cores& cores,
+                           const Closest& closest, double own_a, double own_b, const Earlier& earlier,
+                           bool is_impact) {
+  ContactFacts f;
+  for (int i = 0; i < closest.count; ++i)
+    f.position += closest.weight[i] * (now.ra * closest.point[i].local_a);
+  f.normal = eitherSide(cores);
+  f.normal_error = M_PI;
+  f.position_error =
+      std::min(farthestFrom(cores.a, f.position) + own_a, farthestFrom(cores.b, f.position) + own_b) +
+      piece.contact_distance + earlier.distance + 2.0 * piece.point_error + worldRounding(piece);
+  f.position_error *= 1.0 + 64.0 * kUnit;
+  f.a = sideOf(cores.a, f.position, Feature::kUnknown);
+  f.b = sideOf(cores.b, f.position, Feature::kUnknown);
+  addVelocities(piece, now, f);
+  if (!f.normal.allFinite() && f.relative_velocity.stableNorm() > 0.0) {  // a guess is better than none
+    f.normal = -f.relative_velocity.stableNormalized();
+    f.closing_speed = -f.relative_velocity.dot(f.normal);
+  }
+  takeLikelierSide(f, is_impact);
+  return f;
 }
 
 }  // namespace
@@ -220,6 +277,12 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   const Element &ea = *view_a, &eb = *view_b;
   const Cores cores(now, ea, eb);
   const double radius = ea.radius + eb.radius + piece.contact_distance;
+  const bool is_impact = apart_at == 0.0;
+  // What parted them before a contact may have done so from the other side: from within a solid, or in front
+  // of a surface that was passed.
+  if (!is_impact && parting != nullptr &&
+      !(cores.gapAlong(parting->at(now.t).normalized()) > piece.point_error))
+    parting = nullptr;
   const double reach_a = coreReach(ea), reach_b = coreReach(eb);
 
   const Turned turned{m.spinA() * span + earlier.angle + m.rotationErrorA(),
@@ -229,24 +292,20 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   const double moved = speed * span + earlier.distance + 2.0 * piece.point_error;
 
   const double tolerance = moved + 1e-9 * (reach_a + reach_b);  // of features
-
+  // World position at the instant of contact: either body's own motion over the span, the smaller one.
+  const double own_a = (m.ownSpeedA() + m.spinA() * (reach_a + ea.radius)) * span;
+  const double own_b = (m.ownSpeedB() + m.spinB() * (reach_b + eb.radius)) * span;
   Sight sight;
   if (!seePoint(piece, cores, radius, {moved, turned}, &sight)) {
     Closest closest;
     Vec3 n;
-    if (!proposeNormal(piece, now, cores, radius, apart_at, parting, start, &n, &closest)) {
-      ContactWitness witness;
-      witness.element_a = pair.a;
-      witness.element_b = pair.b;
-      for (int i = 0; i < closest.count; ++i)
-        witness.point += closest.weight[i] * (now.ra * closest.point[i].local_a);
-      return describeOverlap(piece, now, witness);
-    }
+    if (!proposeNormal(piece, now, cores, radius, apart_at, parting, start, &n, &closest))
+      return describeFlush(piece, now, cores, closest, own_a, own_b, earlier, is_impact);
     const Closest& about = closest.count > 0 ? closest : start;
     if (!seeNear(piece, cores, n, about, radius, {moved, turned}, tolerance, &sight))
       sight = see(piece, cores, ContactView(cores, n, buffers), n, closest, radius, {moved, turned});
   }
-  const bool no_side = tellsNoSide(piece, cores, sight.n, parting, now, moved);
+  const bool no_side = tellsNoSide(piece, cores, sight.n, sight.cone, parting, now, moved);
   if (no_side) sight.cone = M_PI;
   const double cone = sight.cone;
   f.normal = sight.n;
@@ -257,9 +316,6 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   const double sunk = radius > 0.0 ? 0.0 : 0.5 * std::max(0.0, -sight.gap);
   f.position = sight.place + (share - sunk) * sight.n;
   const double lean = share * 2.0 * sineOf(0.5 * cone);
-  // World position at the instant of contact: either body's own motion over the span, the smaller one.
-  const double own_a = (m.ownSpeedA() + m.spinA() * (reach_a + ea.radius)) * span;
-  const double own_b = (m.ownSpeedB() + m.spinB() * (reach_b + eb.radius)) * span;
   const double own = std::min(own_a, own_b + moved) + earlier.distance;
   const double depth = depthOf(sight.gap, radius, moved);
   f.position_error = std::sqrt(sight.disc * sight.disc + depth * depth) + lean + own +
@@ -271,11 +327,7 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   f.a = sideOf(cores.a, f.position, sight.feature_a);
   f.b = sideOf(cores.b, f.position, sight.feature_b);
   addVelocities(piece, now, f);
-  const bool is_impact = apart_at == 0.0;
-  if (no_side && is_impact == (f.closing_speed < 0.0)) {  // the likelier side
-    f.normal = -f.normal;
-    f.closing_speed = -f.closing_speed;
-  }
+  if (no_side) takeLikelierSide(f, is_impact);
   return f;
 }
 

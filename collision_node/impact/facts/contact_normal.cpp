@@ -78,7 +78,10 @@ Vec3 bestNormal(const PairPiece& piece, const Instant& now, const Element& ea, c
       best = direction / length;
     }
   };
-  for (const Axis& axis : featureAxes(piece, now, ea, eb)) propose(axis.direction);
+  for (const Axis& axis : featureAxes(piece, now, ea, eb)) {
+    propose(axis.direction);
+    propose(-axis.direction);  // so near to contact, their sign is a guess
+  }
   const double whole = apart_at - now.t;
   const double size = std::min(coreReach(ea), coreReach(eb)) + piece.point_error;
   for (double share = 1e-2; share > 1e-9; share *= 0.1) {

@@ -6,7 +6,6 @@
 
 #include "collision_node/motion/seconds_from.h"
 
-
 namespace collision_node::impact {
 
 PairEvent EventWriter::stamped(Kind kind, const Instant& now) const {

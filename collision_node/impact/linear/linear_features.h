@@ -1,9 +1,10 @@
 /// Vertex against face and edge against edge, every vertex on its own straight line: touching within [0, 1]?
 ///
 /// Guarantee, in real arithmetic of the given doubles: kClear means no common point at any t of the closed
-/// interval; kImpact means a common point at some t in [t_lo, t_hi] and none in [0, t_lo). kUndecided means
-/// only that every t with a common point lies in [t_lo, t_hi]. Touching is contact. Features may be
-/// degenerate (needles, points) and may change their shape as they move; rigid motion is not needed.
+/// interval; kImpact means a common point at some t in [t_lo, t_hi] and none in [0, t_lo), wide where an
+/// earlier touch without crossing could not be decided. kUndecided means only that every t with a common
+/// point lies in [t_lo, t_hi]. Touching is contact. Features may be degenerate (needles, points) and may
+/// change their shape as they move; rigid motion is not needed.
 ///
 /// Not covered: coordinates so large that a difference overflows, or differences all below 2^-900: undecided.
 ///

@@ -141,6 +141,24 @@ unsigned NodeTest::clipChildren(const Slab& slab, const geometry::BvhBlock& chil
                    grown, pad_, span, clipped);
 }
 
+/// The distance of two material points changes no faster than they move against each other.
+bool NodeTest::nodesApart(const Slab& slab, const geometry::BvhBlock& block_a, int lane_a,
+                          const geometry::BvhBlock& block_b, int lane_b, Span span) const {
+  const motion::RelativeMotion& m = piece_.motion;
+  double distance2 = 0.0, half_a2 = 0.0, half_b2 = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    double x = slab.in_a.p0[i] - block_a.centre[i][lane_a];
+    for (int k = 0; k < 3; ++k) x += slab.in_a.q0[i][k] * block_b.centre[k][lane_b];
+    distance2 += x * x;
+    half_a2 += static_cast<double>(block_a.half[i][lane_a]) * block_a.half[i][lane_a];
+    half_b2 += static_cast<double>(block_b.half[i][lane_b]) * block_b.half[i][lane_b];
+  }
+  const double farthest = std::max(slab.middle - span.low, span.high - slab.middle) + pad_;
+  const double speed = m.maxSpeed() + m.spinA() * block_a.reach[lane_a] + m.spinB() * block_b.reach[lane_b];
+  const double reach = std::sqrt(half_a2) + std::sqrt(half_b2) + farthest * speed + grown_;
+  return distance2 > squareAbove(reach * kUp);
+}
+
 namespace {
 
 /// Does a plane across n (in the frame of `still`) stay between the triangles? The moving vertices follow the

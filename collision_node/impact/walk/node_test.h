@@ -25,8 +25,14 @@ class NodeTest {
                         const geometry::BvhBlock& fixed, int lane, Span span,
                         Span clipped[geometry::BvhBlock::kWidth]) const;
 
+  /// Are two nodes too far apart to meet in the span, which lies in the slab, however they move?
+  bool nodesApart(const Slab& slab, const geometry::BvhBlock& block_a, int lane_a,
+                  const geometry::BvhBlock& block_b, int lane_b, Span span) const;
+
   /// Is one of the faces' planes between the two triangles throughout the span?
   bool trianglesApart(const Slab& slab, const Element& a, const Element& b, Span span) const;
+
+  double grown() const { return grown_; }
 
  private:
   const PairPiece& piece_;

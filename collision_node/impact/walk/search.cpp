@@ -10,8 +10,9 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUp = 1.0 + 64.0 * kUnit;
 
-/// Split time rather than space when the motion's remainder exceeds this share of the nodes' sizes (measured:
-/// flat from 0.03 to 0.06).
+/// Split time rather than space when the motion's remainder exceeds this share of the nodes' sizes and of
+/// what counts as contact between them (measured: flat from 0.03 to 0.06). Nodes so small that they are split
+/// again and again are asked whether they are near at all.
 constexpr double kTimeSplit = 0.04;
 
 constexpr int kAtOnce = 4;  ///< tests that hide each other's latencies (measured: flat from 3 to 6)
@@ -54,7 +55,7 @@ Search::Todo Search::todo(Item& item) {
   const std::int32_t link_a = block_a.link[lane_a], link_b = block_b.link[lane_b];
   const double size_a = sizeOf(block_a, lane_a), size_b = sizeOf(block_b, lane_b);
   const double reach = std::max(block_a.reach[lane_a], block_b.reach[lane_b]);
-  const double least_size = std::min(size_a, size_b), limit = kTimeSplit * (size_a + size_b);
+  const double least_size = std::min(size_a, size_b), limit = kTimeSplit * (size_a + size_b + test_.grown());
   const auto bends = [&](const Slab& slab) {
     const double bend = std::min(slab.in_a.bend, slab.in_b.bend) + slab.bend_q * reach;
     const double remainder = slab.half * (0.5 * slab.half * bend + slab.turn * least_size);
@@ -139,6 +140,9 @@ void Search::walk(double from, double to, bool by_time, Leaf&& leaf) {
     }
     ++node_tests_;
     if (now.kind == Todo::kHalve) {
+      if (test_.nodesApart(slabs_[item.slab], tree_[0]->block(blockOf(item.node[0])), laneOf(item.node[0]),
+                           tree_[1]->block(blockOf(item.node[1])), laneOf(item.node[1]), item.span))
+        continue;
       const double middle = slabs_[item.slab].middle;
       const std::int32_t late = slabs_.childOf(item.slab, true), early = slabs_.childOf(item.slab, false);
       agenda_.push({{item.node[0], item.node[1]}, late, -1, {middle, item.span.high}});
