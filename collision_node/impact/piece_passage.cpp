@@ -44,11 +44,11 @@ bool PieceRun::passed(double from, double at, double& t) {
   const Instant first = pair_.at(earlier);
   for (const double more : {0.0, 1.0, 4.0, 16.0}) {
     const double later = std::min(end_, at + more * (at - earlier));
-    // What parted the pair before is still asked for: nothing that forgets it.
-    if (more > 0.0 && (!(later > at) || !search_.nearPairs(at, later, 1).empty() || search_.exhausted()))
-      return false;
+    if (more > 0.0 && !(later > at)) return false;
     for (const ElementPair& pair : near) {
       if (!passesBetween(first, pair_.at(later), near, pair)) continue;
+      // Not by firstPossible(): what parted the pair before is still asked for.
+      if (more > 0.0 && (!search_.nearPairs(at, later, 1).empty() || search_.exhausted())) return false;
       PairEvent event = state_.pending;
       event.kind = Kind::kImpact;
       writer_.finishImpact(event, from, at, pair, state_);
