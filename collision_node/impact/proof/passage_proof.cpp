@@ -25,6 +25,13 @@ bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& t
   if (!(spin * dt < 1.0)) return false;
   const double move = (piece.speed + spin * size) * dt * (1.0 + spin * dt) * (1.0 + 16.0 * kUnit) + e;
   const double reach = size + move;
+  // From its chord it strays by dt^2/8 of its acceleration there, in terms of the turning frame.
+  const RelativeMotion& m = piece.motion;
+  const double own = (point_is_a ? m.spinA() : m.spinB()) * point.norm();
+  const double fastest = m.maxSpeed() + own, farthest = x0.norm() + fastest * dt;
+  const double bend = m.maxAcceleration() + (point_is_a ? m.spinA() : m.spinB()) * own +
+                      spin * (2.0 * fastest + spin * farthest);
+  const double strays = 0.125 * dt * dt * bend * (1.0 + 64.0 * kUnit) + e;
 
   Vec3 up = Vec3::Zero();
   for (const auto& t : patch) {
@@ -74,8 +81,10 @@ bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& t
       if (same > 1 || reverse > 1) return false;  // no graph where three triangles share an edge
       if (reverse == 1) continue;
       has_border = true;
-      const double value = up.dot((i - x0).cross(j - x0));
-      if (!(value > move * (j - i).norm() + 64.0 * kUnit * reach * reach)) return false;
+      const auto isLeft = [&](const Vec3& x, double by) {
+        return up.dot((i - x).cross(j - x)) > by * (j - i).norm() + 64.0 * kUnit * reach * reach;
+      };
+      if (!(isLeft(x0, move) || (isLeft(x0, strays) && isLeft(x1, strays)))) return false;
     }
   }
   return has_border;
