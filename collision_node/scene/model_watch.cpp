@@ -6,7 +6,6 @@
 
 #include "collision_node/motion/seconds_from.h"
 
-
 namespace collision_node::scene {
 
 namespace {
