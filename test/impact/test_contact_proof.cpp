@@ -14,7 +14,9 @@ namespace collision_node::impact {
 namespace {
 
 using moving::Corners;
+using moving::Nanoseconds;
 using moving::Random;
+using moving::RigidMotion;
 using oracle::Real;
 using oracle::V3;
 
@@ -342,6 +344,73 @@ TEST(ContactProof, NothingPassesWhereThereIsNoTriangle) {
   EXPECT_FALSE(passesAt(two, {-1, -1, 1}, {-1, -1, -1})) << "through the end of the shared edge";
   EXPECT_FALSE(passesAt({{p, q, r}, {q, p, r}}, {0, -1, 1}, {0, -1, -1})) << "a triangle and its reverse";
   EXPECT_FALSE(passesAt({{p, p, q}}, {0, -1, 1}, {0, -1, -1})) << "no area";
+}
+
+/// A way of the point, seen by the surface, that bends: `surface` turns or rests, `carrier` has the point at
+/// `offset`. Both last 1 ms; in the middle the point is level with where the surface lies, at z = 0.
+struct BentWay {
+  const char* why;
+  RigidMotion surface, carrier;
+  Vec3 offset;
+};
+
+std::vector<BentWay> bentWays() {
+  constexpr Nanoseconds kEnd = 1'000'000;
+  constexpr double kTime = 1e-3, kTurn = 0.4, kLow = 1e-4;  // turns [rad], heights [m]
+  const Vec3 sinks(0, 0, -2.0 * kLow / kTime);
+  const auto about = [](double angle) {
+    return geometry::Quat(std::cos(0.5 * angle), 0, 0, std::sin(0.5 * angle));
+  };
+  const auto spinning = [&](double turn) {
+    return moving::flight(0, kEnd, Vec3::Zero(), Vec3::Zero(), {0, 0, turn / kTime}, about(-0.5 * turn));
+  };
+  RigidMotion curved = moving::flight(0, kEnd, {0, -1, kLow}, {0.4 / kTime, 2.0 / kTime, sinks.z()});
+  curved.c[2].x() = -0.4 / (kTime * kTime);
+  RigidMotion wheel = spinning(kTurn);
+  wheel.c[0] = {0, 0, kLow};
+  wheel.c[1] = sinks;
+  const RigidMotion falls = moving::flight(0, kEnd, {0.3, 1, kLow}, sinks),
+                    crosses_axis = moving::flight(0, kEnd, {-1, 0, kLow}, {2.0 / kTime, 0, sinks.z()});
+  return {{"its own acceleration", moving::resting(), curved, Vec3::Zero()},
+          {"the turn of what carries it", moving::resting(), wheel, {0, 0.7, 0}},
+          {"the turn of the surface", spinning(kTurn), falls, Vec3::Zero()},
+          {"its speed across a surface that turns", spinning(0.1 * kTurn), crosses_axis, Vec3::Zero()}};
+}
+
+/// passage_proof.h: "`true` only if it does". A triangle covers both ends of a bent way and all of its chord,
+/// but not the middle, where the way goes through the triangle's plane beside its edge.
+TEST(ContactProof, WhoseWayBendsPastTheBorderDoesNotPass) {
+  for (const BentWay& way : bentWays()) {
+    for (const bool point_is_a : {false, true}) {
+      SCOPED_TRACE(testing::Message() << way.why << (point_is_a ? ", the point is A" : ", the point is B"));
+      const oracle::Path surface(way.surface, 0, {}), carrier(way.carrier, 0, {});
+      const auto seen = [&](Real t) -> Vec3 {
+        const V3 x = carrier.at(t).place(oracle::exact(way.offset)) - surface.at(t).position;
+        const auto& axes = surface.at(t).rotation.column;
+        return {static_cast<double>(oracle::dot(axes[0], x)), static_cast<double>(oracle::dot(axes[1], x)),
+                0};
+      };
+      const Vec3 first = seen(0), last = seen(1e-3L);
+      // At half the time it may have gone farthest from the chord; where the bend changes sides, at a
+      // quarter.
+      const Vec3 chord = last - first, across = Vec3(chord.y(), -chord.x(), 0).normalized();
+      const double bulge = across.dot(seen(5e-4L) - first);
+      const Vec3 out = bulge < 0 ? Vec3(-across) : across;
+      ASSERT_GT(std::abs(bulge), 5e-3);
+      for (const double share : {0.98, 1.2}) {
+        const Vec3 edge = first + share * std::abs(bulge) * out;
+        const TrianglePatch patch = {{edge - 9.0 * chord, edge + 9.0 * chord, edge - 20.0 * out}};
+        const moving::Shapes point = {moving::placed(geometry::Point{}, way.offset)},
+                             tri = {patchShape(patch)};
+        const Piece piece{0, 1'000'000, point_is_a ? way.carrier : way.surface,
+                          point_is_a ? way.surface : way.carrier};
+        const moving::Pair pair(point_is_a ? point : tri, point_is_a ? tri : point, piece);
+        const bool passes = passesThrough(pair.solver, pair.solver.at(0.0), pair.solver.at(1e-3), point_is_a,
+                                          way.offset, patch);
+        EXPECT_EQ(passes, share > 1.0) << "the edge " << share << " bulges from the chord";
+      }
+    }
+  }
 }
 
 TEST(ContactProof, NothingTouchesBesideEachOther) {

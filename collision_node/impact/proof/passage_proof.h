@@ -15,9 +15,9 @@ namespace collision_node::impact {
 using TrianglePatch = boost::container::static_vector<std::array<Vec3, 3>, 64>;
 
 /// Does a point pass through a patch of triangles at some time in [from.t, to.t]? For pairs without radius or
-/// volume. `patch` are triangles of one body (b when `point_is_a`), `point` is in the other's frame. A patch
-/// of several triangles proves a passage through their common edge or vertex, which none of them proves
-/// alone.
+/// volume. `patch` are triangles of one body (b when `point_is_a`), `point` is a vertex of the other, in its
+/// frame. A patch of several triangles proves a passage through their common edge or vertex, which none of
+/// them proves alone.
 bool passesThrough(const PairPiece& piece, const Instant& from, const Instant& to, bool point_is_a,
                    const Vec3& point, const TrianglePatch& patch);
 
