@@ -8,11 +8,10 @@
 #include <stdexcept>
 
 #include "collision_node/geometry/convex_hull.h"
+#include "collision_node/geometry/rounding.h"
 
 namespace collision_node::geometry {
 namespace {
-
-constexpr double kUp = 1.0 + 8.0 * std::numeric_limits<double>::epsilon();
 
 Bounds boundsOf(const Element& e) {
   Bounds b;

@@ -112,7 +112,6 @@ struct PairState {
   double pending_spin = 0.0;   ///< kUndecided: the largest sum of both spins since then [rad/s]
   double pending_speed = 0.0;  ///< kUndecided: the largest speed of any point since the bracket opened [m/s]
   PairEvent contact;           ///< kTouching (and kUndecided from contact): the event that opened the contact
-  Nanoseconds decided_ns = 0;  ///< everything up to here is decided
   Piece last_piece;            ///< the last piece advanced over
 };
 
@@ -136,11 +135,14 @@ class PairMethod {
   virtual void finish(PairState& state, std::vector<PairEvent>& events) const = 0;
 
   /// Nothing is swept through a gap, teleport, timeout or reset: finish(), then for an open contact one
-  /// UNCERTIFIED SEPARATION at its last decided instant with `reason`. The state is new afterwards.
+  /// UNCERTIFIED SEPARATION with `reason`, from the last instant at which contact is known (toi_lower) to the
+  /// last piece's end. The state is new afterwards.
   virtual void interrupt(PairState& state, Reason reason, std::vector<PairEvent>& events) const = 0;
 };
 
 /// The certified solver. Guarantees: docs/solver.md, first section. The bodies must outlive the method.
+/// Options out of range throw std::invalid_argument here, a tube below 0 or a piece that ends before it
+/// begins in advance().
 std::unique_ptr<PairMethod> makeCertified(const geometry::Body& a, const geometry::Body& b,
                                           const PairOptions& options);
 

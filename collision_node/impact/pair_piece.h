@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "collision_node/geometry/body.h"
+#include "collision_node/geometry/rounding.h"
 #include "collision_node/impact/pair_method.h"
 #include "collision_node/motion/relative_motion.h"
 
@@ -13,10 +14,10 @@ namespace collision_node::impact {
 
 using geometry::Body;
 using geometry::Element;
+using geometry::kUnit;
+using geometry::kUp;
 using geometry::Mat3;
 using motion::RelativeMotion;
-
-constexpr double kUnit = 1.1102230246251565e-16;  ///< 2^-53
 
 /// Of a length that is already larger than it must be by some roundings: what a computed square of a vector
 /// may be compared with, however small it is.
@@ -27,10 +28,13 @@ inline double squareAbove(double length) { return length * length + std::numeric
 struct Widths {
   Widths(const PairOptions& options, double point_error, double speed, double duration)
       : floor(std::max(point_error / std::max(speed, 1e-300), 64.0 * kUnit * duration)),
-        wanted(std::max(
-            std::min(options.time_precision, 0.02 * options.distance_precision / std::max(speed, 1e-300)),
-            floor)) {}
+        wanted(std::max(std::min(options.time_precision,
+                                 kShareOfBall * options.distance_precision / std::max(speed, 1e-300)),
+                        floor)) {}
 
+  /// Of the ball, what moves in a bracket: edges that cross at a degree or two make fifty times as much of
+  /// it.
+  static constexpr double kShareOfBall = 0.02;
   double floor, wanted;  ///< [s]
 };
 

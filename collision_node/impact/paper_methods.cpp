@@ -262,7 +262,6 @@ class PaperMethod : public PairMethod {
       }
     }
     state.phase = PairState::Phase::kApart;
-    state.decided_ns = piece.end_ns;
     state.last_piece = piece;
     return outcome;
   }

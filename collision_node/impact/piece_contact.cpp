@@ -1,3 +1,5 @@
+/// A contact from its proof to its end: followed as long as it can be proved, then parted, or an open
+/// question.
 #include <algorithm>
 
 #include "collision_node/impact/piece_run.h"
@@ -14,8 +16,8 @@ double PieceRun::soonestApart(double contact, double nothing, double at) {
   for (int i = 0; i < kHalvings && at - contact > options_.time_precision; ++i) {
     const double middle = 0.5 * (nothing + at);
     if (!(middle > nothing && middle < at)) break;
-    const bool apart = search_.classify(middle, &witness) == Proved::kApart &&
-                       (search_.nearPairs(middle, at, 1).empty() && !search_.exhausted());
+    const bool apart =
+        search_.classify(middle, &witness) == Proved::kApart && search_.provesApart(middle, at);
     (apart ? at : nothing) = middle;
   }
   return at;
@@ -28,13 +30,12 @@ std::optional<double> PieceRun::lastContact(double contact, double apart, Contac
   return std::nullopt;
 }
 
-bool PieceRun::part(double proved, double nothing, double apart, double& t,
-                    std::optional<ContactWitness>& witness) {
+bool PieceRun::part(double proved, double nothing, double apart, double& t) {
   t = soonestApart(proved, nothing, apart);
   ContactWitness found;
   if (const auto last = lastContact(proved, t, found)) {
     t = *last;
-    witness = std::move(found);
+    witness_ = std::move(found);
     return false;
   }
   openSeparation(proved);
@@ -42,43 +43,43 @@ bool PieceRun::part(double proved, double nothing, double apart, double& t,
   return true;
 }
 
-bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
+bool PieceRun::follow(double& t) {
   double look = floor_;
   double proved = t;   // contact is proved up to here
   double nothing = t;  // the last instant at which nothing was
-  if (!witness) {      // a new piece: the last one's contact still has to be found in this one
+  if (!witness_) {     // a new piece: the last one's contact still has to be found in this one
     ContactWitness found;
     const Proved now = search_.classify(t, &found, end_);
-    if (now == Proved::kContact) witness = std::move(found);
+    if (now == Proved::kContact) witness_ = std::move(found);
     if (now == Proved::kApart) {
       openSeparation(t);
       publishSeparation(t);
       return true;
     }
   }
-  while (t < end_ || witness) {
+  while (t < end_ || witness_) {
     if (search_.exhausted()) {  // all since the last proof is one open question
       t = proved;
-      witness.reset();
+      witness_.reset();
       return true;
     }
-    if (witness) {
+    if (witness_) {
       const Stretch stretch = between(proved, t);
       if (search_.exhausted()) continue;
       if (stretch.kind == Stretch::kApart) {
-        witness.reset();
-        if (part(proved, proved, stretch.apart, t, witness)) return true;
+        witness_.reset();
+        if (part(proved, proved, stretch.apart, t)) return true;
         continue;
       }
       if (stretch.kind == Stretch::kUnknown) {
         openSeparation(proved);
-        contactAfterUnknown(t, *witness);
+        contactAfterUnknown(t, *witness_);
       }
       is_parting_ = false;
-      persist(t, *witness, end_);
+      persist(t, *witness_, end_);
       proved = t;
-      last_contact_ = {witness->element_a, witness->element_b};
-      witness.reset();
+      last_contact_ = {witness_->element_a, witness_->element_b};
+      witness_.reset();
       look = floor_;
       nothing = proved;
       if (t >= end_) break;
@@ -88,17 +89,17 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
     const Proved now = search_.classify(at, &found, end_ - at);
     if (now == Proved::kContact) {
       t = at;
-      witness = std::move(found);
+      witness_ = std::move(found);
       continue;
     }
     if (now == Proved::kApart) {
-      const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
+      const Search::First next = search_.firstPossible(at, end_, width_);
       const bool owed = !next.found || next.time - at > width_;
       if (owed) {  // and not before?
         const Stretch stretch = between(proved, at);
         if (search_.exhausted()) continue;
         const bool sooner = stretch.kind == Stretch::kApart && stretch.apart < at;
-        if (part(proved, sooner ? proved : nothing, sooner ? stretch.apart : at, t, witness)) return true;
+        if (part(proved, sooner ? proved : nothing, sooner ? stretch.apart : at, t)) return true;
         continue;
       }
       look = std::max(next.time - proved, look * kGrow);
@@ -109,7 +110,7 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
     if (at >= end_) {
       const Stretch stretch = between(proved, end_);
       if (stretch.kind == Stretch::kApart) {
-        if (part(proved, proved, stretch.apart, t, witness)) return true;
+        if (part(proved, proved, stretch.apart, t)) return true;
         continue;
       }
       openSeparation(proved);
@@ -129,7 +130,7 @@ bool PieceRun::follow(double& t, std::optional<ContactWitness>& witness) {
 
 void PieceRun::persist(double& t, ContactWitness& witness, double until) {
   if (witness.element_a < 0) {  // one body inside the other: until surfaces can meet
-    const Search::First first = search_.firstPossible(t, until, 0.1 * width_);
+    const Search::First first = search_.firstPossible(t, until, width_);
     t = first.found ? std::max(t, first.time) : until;
     return;
   }

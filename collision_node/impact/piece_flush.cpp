@@ -33,7 +33,7 @@ PieceRun::Stretch PieceRun::between(double from, double to) {
         reached = at;
         near.persist(reached, witness, to);
       } else if (search_.classify(at, &witness) == Proved::kApart) {
-        const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
+        const Search::First next = search_.firstPossible(at, end_, width_);
         if (!next.found || next.time - t > longest_gap_) return {Stretch::kApart, at};
         reached = next.time;
       }

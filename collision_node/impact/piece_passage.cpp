@@ -1,3 +1,4 @@
+/// Points that pass through surfaces, and straight paths whose contact the search has proved itself.
 #include <algorithm>
 
 #include "collision_node/impact/piece_run.h"
@@ -10,7 +11,7 @@ using Phase = PairState::Phase;
 
 }  // namespace
 
-bool PieceRun::closeStraight(const PathContact& met, std::optional<ContactWitness>& witness) {
+bool PieceRun::closeStraight(const PathContact& met) {
   const StraightPath& path = *search_.straight();
   const bool whole = options_.scope == Scope::kWholePiece;
   const Phase next = phaseBehind(path, met);
@@ -23,8 +24,8 @@ bool PieceRun::closeStraight(const PathContact& met, std::optional<ContactWitnes
   if (next == Phase::kApart) {
     events_.push_back(separationBehind(event));
   } else if (path.radius() == 0.0) {
-    witness.emplace();  // held by the solid
-    witness->point = event.position - pair_.motion.originOfA(event.toi_lower);
+    witness_.emplace();  // held by the solid
+    witness_->point = event.position - pair_.motion.originOfA(event.toi_lower);
   } else if (whole) {
     ContactWitness found;
     found.element_a = opened_.a;
@@ -32,7 +33,7 @@ bool PieceRun::closeStraight(const PathContact& met, std::optional<ContactWitnes
     Vec3 buffer_a[3], buffer_b[3];
     const Element a = pair_.a.element(opened_.a, buffer_a), b = pair_.b.element(opened_.b, buffer_b);
     const Instant now = pair_.at(met.upper);
-    if (touchesAt(pair_, now, a, b, closestPoints(Cores(now, a, b), Vec3::Zero()), found)) witness = found;
+    if (touchesAt(pair_, now, a, b, closestPoints(Cores(now, a, b), Vec3::Zero()), found)) witness_ = found;
   }
   return true;
 }
@@ -48,7 +49,7 @@ bool PieceRun::passed(double from, double at, double& t) {
     for (const ElementPair& pair : near) {
       if (!passesBetween(first, pair_.at(later), near, pair)) continue;
       // Not by firstPossible(): what parted the pair before is still asked for.
-      if (more > 0.0 && (!search_.nearPairs(at, later, 1).empty() || search_.exhausted())) return false;
+      if (more > 0.0 && !search_.provesApart(at, later)) return false;
       PairEvent event = state_.pending;
       event.kind = Kind::kImpact;
       writer_.finishImpact(event, from, at, pair, state_);

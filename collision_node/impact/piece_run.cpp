@@ -1,3 +1,4 @@
+/// Brackets: how one opens, what is proved behind its start, and what is published of it.
 #include "collision_node/impact/piece_run.h"
 
 #include <algorithm>
@@ -47,7 +48,6 @@ PieceOutcome PieceRun::run() {
     state_.pending_speed = std::max(state_.pending_speed, pair_.any_speed);
     state_.pending_spin = std::max(state_.pending_spin, pair_.motion.spinA() + pair_.motion.spinB());
   }
-  std::optional<ContactWitness>& witness = start_witness_;  // from here on the one of the latest proof
   while (true) {
     if (options_.scope == Scope::kFirstContact && events_.size() > before) break;
     if (search_.exhausted()) {
@@ -56,15 +56,15 @@ PieceOutcome PieceRun::run() {
     }
     if (state_.phase == Phase::kApart) {
       if (t >= end_) break;  // just proved
-      const Search::First first = search_.firstPossible(t, end_, 0.1 * width_, 2.0 * width_);
+      const Search::First first = search_.firstPossible(t, end_, width_, kWindow * width_);
       if (!first.found) break;
       free_since_ = t;
       open(Kind::kImpact, first.time, first.pair);
       t = first.time;
     } else if (state_.phase == Phase::kUndecided && !state_.was_touching) {
-      if (!resolve(t, witness)) break;
+      if (!resolve(t)) break;
     } else {
-      if (!follow(t, witness)) break;
+      if (!follow(t)) break;
     }
   }
   outcome.node_tests = search_.nodeTests();
@@ -92,7 +92,7 @@ void PieceRun::start() {
       return;
     case Proved::kContact:
       beginOverlap(0.0, witness);
-      start_witness_ = std::move(witness);
+      witness_ = std::move(witness);
       return;
     case Proved::kNothing:
       open(Kind::kInitialOverlap, 0.0, writer_.anyNear(0.0, 0.0));
@@ -121,13 +121,13 @@ void PieceRun::open(Kind kind, double t, ElementPair pair) {
   opened_ = pair;
 }
 
-bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
+bool PieceRun::resolve(double& t) {
   const double from = t;
   const bool carried = state_.pending.interval_start_ns != piece_.start_ns;
   double proved_nothing = from;  // the last instant at which nothing was proved
   ContactWitness found;
   const PathContact* met = carried ? nullptr : search_.provedAt(from);
-  if (met != nullptr && closeStraight(*met, witness)) {
+  if (met != nullptr && closeStraight(*met)) {
     t = met->upper;
     return true;
   }
@@ -144,7 +144,7 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
     if (proved == Proved::kNothing && search_.holdsHidden(at, &found)) proved = Proved::kContact;
     if (proved == Proved::kContact) {
       t = soonestContact(from, proved_nothing, at, found);
-      confirm(from, t, found, witness);
+      confirm(from, t, found);
       return true;
     }
     if (proved == Proved::kApart && !(from >= end_)) {
@@ -166,12 +166,11 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
         }
       }
       if (inBetween(proved_nothing, at, found)) {
-        confirm(from, found_at_, found, witness);
+        confirm(from, found_at_, found);
         t = found_at_;
         return true;
       }
-      if (search_.nearPairs(from, at, 1).empty() && !search_.exhausted() &&
-          !carried) {  // a second look proves the bracket free
+      if (search_.provesApart(from, at) && !carried) {  // a second look proves the bracket free
         state_.phase = Phase::kApart;
         free_step_ = at - from;
         free_end_ = t = at;
@@ -182,7 +181,7 @@ bool PieceRun::resolve(double& t, std::optional<ContactWitness>& witness) {
         step = floor_;
         continue;
       }
-      const Search::First next = search_.firstPossible(at, end_, 0.1 * width_);
+      const Search::First next = search_.firstPossible(at, end_, width_);
       if (next.found && next.time < end_ && belongsTogether(from, at, next)) {
         step = std::max(next.time - from, step * kGrow);
         proved_nothing = next.time;
@@ -228,9 +227,8 @@ bool PieceRun::waitForMore() {
   return false;
 }
 
-void PieceRun::confirm(double from, double at, const ContactWitness& found,
-                       std::optional<ContactWitness>& witness) {
-  if (options_.scope == Scope::kWholePiece) witness = found;
+void PieceRun::confirm(double from, double at, const ContactWitness& found) {
+  if (options_.scope == Scope::kWholePiece) witness_ = found;
   if (state_.published) {  // the onset is an open question already published: what is proved is contact, here
     beginOverlap(at, found);
     return;

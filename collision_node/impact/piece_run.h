@@ -1,9 +1,8 @@
 /// The certified solver on one piece: a small state machine over what is proved.
 ///
 /// Guarantees (docs/solver.md; each has a test that quotes it):
-///   - Time that no event and no bracket covers, and no piece that is answered undecided, is proved free of
-///     contact, or proved to be contact throughout up to gaps no longer than the bracket's width, or no wider
-///     than some rounding budgets (kFlush).
+///   - Time outside events and brackets is proved free of contact, or proved contact but for gaps no longer
+///     than a bracket or no wider than kFlush rounding budgets; except where a piece is answered undecided.
 ///   - CONFIRMED: apart before toi_lower, contact proved at or before toi_upper.
 ///   - What cannot be decided is published as POSSIBLE, never as clear.
 #pragma once
@@ -38,10 +37,12 @@ class PieceRun {
   static constexpr double kBelongs = 4.0;  ///< [budgets] of these, before what is not proved begins again
   /// Where one bracket after the other turns out to be free, each next one is looked at in longer steps.
   static constexpr double kBolder = 2.0;
-  /// [budgets] How far apart what nobody can prove may be and count as contact. Wide enough to be proved over
-  /// times that are not too short.
+  /// [budgets] The widest gap between two proofs of contact that counts as contact: wide enough for being
+  /// within it to be proved, over times that are not too short.
   static constexpr double kFlush = 256.0;
   static constexpr int kHalvings = 3;  ///< of the last step of such a search
+  /// [widths] Behind the instant at which a bracket opens: who is near is known without another walk.
+  static constexpr double kWindow = 2.0;
 
   /// A pair's first instant: overlapping, apart, or not known.
   void start();
@@ -51,7 +52,7 @@ class PieceRun {
   void open(Kind kind, double t, ElementPair pair);
   /// Behind the start of an open bracket: finds what is proved first, contact or clearance. Returns false at
   /// the end.
-  bool resolve(double& t, std::optional<ContactWitness>& witness);
+  bool resolve(double& t);
   /// A bracket that began at `from` is free at `at`, and the next one would begin soon: in less time than the
   /// bracket has taken, or than a bracket may take, or than the last budgets before a slow contact do?
   bool belongsTogether(double from, double at, const Search::First& next);
@@ -67,12 +68,12 @@ class PieceRun {
   /// `contact`.
   std::optional<double> lastContact(double contact, double apart, ContactWitness& found);
   /// The bracket's search has proved the contact itself. False where it is not known what comes behind it.
-  bool closeStraight(const PathContact& met, std::optional<ContactWitness>& witness);
+  bool closeStraight(const PathContact& met);
   /// The piece ends inside an open bracket. One that has been open for a whole piece is published and holds
   /// up nothing.
   bool waitForMore();
   /// Contact is proved at `at`: closes the open bracket as CONFIRMED.
-  void confirm(double from, double at, const ContactWitness& found, std::optional<ContactWitness>& witness);
+  void confirm(double from, double at, const ContactWitness& found);
   /// Contact at a few instants strictly between two?
   bool inBetween(double low, double high, ContactWitness& found);
   /// A point went through a surface between the two instants: an impact and its separation in one bracket.
@@ -85,12 +86,12 @@ class PieceRun {
   /// The triangles of one mesh among the near pairs of the same point.
   TrianglePatch patchAround(const NearPairs& near, ElementPair pair, bool point_is_a, int shape) const;
   /// In contact at `t`: follows the proof forward, and where it ends looks for the next one or for clearance.
-  bool follow(double& t, std::optional<ContactWitness>& witness);
+  bool follow(double& t);
   /// Moves t forward, up to `until`, as long as this witness proves contact.
   void persist(double& t, ContactWitness& witness, double until);
   /// Contact is proved at `proved` and the pair is apart at `apart`: publishes the separation and is true, or
   /// finds contact again shortly before it.
-  bool part(double proved, double nothing, double apart, double& t, std::optional<ContactWitness>& witness);
+  bool part(double proved, double nothing, double apart, double& t);
 
   /// What is known of a time, between two proofs of contact or up to the end, in which nothing was proved.
   struct Stretch {
@@ -131,7 +132,7 @@ class PieceRun {
   double least_rest_;   ///< [s] of an open question that ends in clearance and is an event of its own
   ElementPair opened_;
   ElementPair last_contact_;
-  std::optional<ContactWitness> start_witness_;
+  std::optional<ContactWitness> witness_;  ///< of the latest proof of contact
   double found_at_ = 0.0;
   double free_since_ = std::numeric_limits<double>::infinity();  ///< the search that opened the bracket
                                                                  ///< proved the time since then free

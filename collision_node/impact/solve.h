@@ -3,7 +3,9 @@
 ///
 /// Guarantee: docs/solver.md, first section. `verdict` says what holds:
 ///   kCulled, kClear   the two are proved apart throughout; no events.
-///   kImpact           every change of contact is an event; each is CONFIRMED.
+///   kImpact           every change of contact is an event (up to the first with Scope::kFirstContact); each
+///   is
+///                     CONFIRMED.
 ///   kUndecided        at least one event is POSSIBLE; its reason says why (GRAZING, BUDGET). Or all that is
 ///                     open is whether the last contact ends before the piece does: it has no SEPARATION.
 /// In events, NaN marks a field that its kind does not define. Streams go through pair_method.h, which
@@ -23,8 +25,9 @@ struct Solution {
   std::vector<PairEvent> events;  ///< in time order
 };
 
-/// Solves one piece. Thread-safe for distinct workspaces. Allocates nothing after a workspace's and a
-/// solution's first calls of a kind. Never throws for numeric reasons.
+/// Solves one piece: stamps [ns] with start <= end, lengths and precisions >= 0 [m], [s]; else throws
+/// std::invalid_argument, which names the number. For no other number it throws. Thread-safe for distinct
+/// workspaces. Allocates nothing after a workspace's and a solution's first calls of a kind.
 void solve(const geometry::Body& a, const geometry::Body& b, const Piece& piece, const PairOptions& options,
            Workspace& workspace, Solution& solution);
 

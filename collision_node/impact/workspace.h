@@ -13,7 +13,7 @@ class Workspace {
   Workspace(Workspace&&) noexcept;
   Workspace& operator=(Workspace&&) noexcept;
 
-  struct Buffers;  ///< search_buffers.h; for the solver's files only
+  struct Buffers;  ///< walk/search.h; for the solver's files only
   Buffers& buffers() { return *buffers_; }
 
  private:

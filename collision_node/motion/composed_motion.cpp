@@ -4,12 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/geometry/rounding.h"
+
 namespace collision_node::motion {
 
 namespace {
 
+using geometry::kUnit;
+
 constexpr double kPi = 3.141592653589793;
-constexpr double kUnit = std::numeric_limits<double>::epsilon() / 2;
 /// Roundings in one part: interpolating it, a product of quaternions, a normalisation, a rotated point and a
 /// sum.
 constexpr double kRoundingsOfAPart = 128.0;

@@ -4,13 +4,14 @@
 #include <cmath>
 
 #include "collision_node/geometry/any_width.h"
+#include "collision_node/geometry/rounding.h"
 #include "collision_node/geometry/two_sines.h"
 
 namespace collision_node::motion {
 namespace {
 
-constexpr double kUnit = 1.1102230246251565e-16;  // 2^-53
-constexpr double kUp = 1.0 + 64.0 * kUnit;        // makes a computed norm or sum of few terms an upper bound
+using geometry::kUnit;
+using geometry::kUp;
 
 }  // namespace
 
@@ -45,7 +46,7 @@ void RelativeMotion::setSpins() {
   const auto set = [&](Spin& spin, const RigidMotion& m, double turning, double offset) {
     spin.omega = m.omega;
     spin.rate = turning;
-    spin.spin = turning * kUp;
+    spin.spin = (turning + m.rate_error) * kUp;
     spin.offset = offset;
     // 64: quaternion to matrix, Rodrigues' entries, two products, the placing of geometry in the object's
     // frame, and the slerp's rotation vector (absolute part). 16 theta: the angle's relative error, both of
@@ -110,13 +111,14 @@ RelativeMotion::RelativeMotion(const RigidMotion& a, const RigidMotion& b, Nanos
     d_[1] += (2.0 * b.c[2] + 3.0 * b.c[3] * ob) * ob - (2.0 * a.c[2] + 3.0 * a.c[3] * oa) * oa;
     d_[2] = (b.c[2] + 3.0 * b.c[3] * ob) - (a.c[2] + 3.0 * a.c[3] * oa);
     d_[3] = b.c[3] - a.c[3];
-    magnitude += (d_[1].norm() - line_rate) * reach;
+    magnitude += (d_[1].norm() - line_rate) * duration_;
     // What rounding made of c_2 grows with the whole segment's bend, however little of it the piece sees.
-    const auto bend = [&](const RigidMotion& m) {
-      const double whole = std::max(reach, secondsBetween(m.start_ns, m.end_ns));
-      return (m.c[2].norm() + m.c[3].norm() * whole) * (reach * reach);
+    const auto bend = [&](const RigidMotion& m, double offset) {
+      const double own = std::abs(offset) + duration_;
+      const double whole = std::max(own, secondsBetween(m.start_ns, m.end_ns));
+      return (m.c[2].norm() + m.c[3].norm() * whole) * (own * own);
     };
-    magnitude += 4.0 * (bend(a) + bend(b));
+    magnitude += 4.0 * (bend(a, oa) + bend(b, ob));
   }
   const auto ownRounding = [&](bool straight, double speed) {
     return (straight ? kLineRounding : 64.0) * kUnit * speed * reach;

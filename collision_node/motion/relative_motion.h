@@ -74,6 +74,7 @@ class RelativeMotion {
   Mat3 rotationB(double t) const { return rotationB(halfTurns(t).b); }
   const Vec3& omegaA() const { return a_.omega; }
   const Vec3& omegaB() const { return b_.omega; }
+  /// At least |omega|, also of the exact motion where rounding may have miscounted its turns. [rad/s]
   double spinA() const { return a_.spin; }
   double spinB() const { return b_.spin; }
 
@@ -109,7 +110,7 @@ class RelativeMotion {
     Vec3 omega = Vec3::Zero();
     Mat3 across = Mat3::Zero(), inward = Mat3::Zero();  ///< k x R0 and k x (k x R0), k the unit axis
     double rate = 0.0;                                  ///< |omega|
-    double spin = 0.0;                                  ///< the same, rounded up
+    double spin = 0.0;                                  ///< at least that, rounded up
     double offset = 0.0;                                ///< seconds from the segment's start to the piece's
     double error = 0.0;
 

@@ -131,10 +131,12 @@ RigidMotion spin(const StampedPose& from, const StampedPose& to) {
   const double off = 0.5 * axis_error, whole = h * mean_rate.norm();
   const double across = (h * mean_rate - along * turn.axis).norm();
   const double unsure = off * (across + off * whole) + kCountError * (whole + kTwoPi);
-  if (!(std::abs(extra - turns) + unsure / kTwoPi < 0.5))
+  if (!(std::abs(extra - turns) + unsure / kTwoPi < 0.5)) {
     motion.turn_error = 2.0;
-  else if (turns != 0.0)
+    motion.rate_error = (kTwoPi + unsure) / h;  // one turn, and as many as `unsure` holds
+  } else if (turns != 0.0) {
     motion.turn_error = std::min(2.0, axis_error);
+  }
   return motion;
 }
 

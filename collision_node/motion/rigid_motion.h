@@ -31,6 +31,7 @@ struct RigidMotion {
   Quat q0 = Quat::Identity();
   Vec3 omega = Vec3::Zero();  ///< [rad/s]
   double turn_error = 0.0;    ///< [rad] what rounding may have made of the axis of several turns; see spin()
+  double rate_error = 0.0;    ///< [rad/s] and of their number: how much faster it may turn
 
   /// world <- object at `s` seconds after start_ns; plain double evaluation, for reports, not for proofs.
   Pose at(double s) const;

@@ -16,7 +16,7 @@ using geometry::Vec3;
 /// Integer time [ns]. A double that holds an epoch stamp steps by 0.24 us, half a millimetre at 2000 m/s.
 using Nanoseconds = std::int64_t;
 
-/// Exact difference first, then one rounding. [s]
+/// Exact difference first; then within 3 units of 2^-53. [s]
 inline double secondsBetween(Nanoseconds from, Nanoseconds to) {
   return static_cast<double>(to - from) * 1e-9;
 }

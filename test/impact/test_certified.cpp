@@ -37,6 +37,45 @@ TEST(Certified, APointThroughASurfaceGivesBothEventsInOneBracket) {
   EXPECT_NEAR(turning.events[1].closing_speed, -2000.0, 1e-6);
 }
 
+/// solve.h: "else throws std::invalid_argument, which names the number".
+TEST(Solve, RefusesNumbersWithWhichAllWouldSeemProved) {
+  const Body a({sphere(0.05)}), b({sphere(0.05)});
+  // They overlap by 5 mm.
+  const Piece good{0, kFrame, resting(), flight(0, kFrame, {0.095, 0, 0}, Vec3::Zero())};
+  const auto complaint = [&](const Piece& piece, const PairOptions& options) -> std::string {
+    Workspace workspace;
+    Solution solution;
+    try {
+      solve(a, b, piece, options, workspace, solution);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(complaint(good, {}), "");
+  const auto with = [](double PairOptions::*number, double value) {
+    PairOptions options;
+    options.*number = value;
+    return options;
+  };
+  EXPECT_EQ(complaint(good, with(&PairOptions::contact_distance, -0.01)),
+            "impact: PairOptions::contact_distance [m] is -0.01; it must be 0 or more, and finite");
+  for (const double bad : {-1e-9, std::nan(""), HUGE_VAL}) {
+    EXPECT_NE(complaint(good, with(&PairOptions::contact_distance, bad)), "") << bad;
+    EXPECT_NE(complaint(good, with(&PairOptions::time_precision, bad)), "") << bad;
+    EXPECT_NE(complaint(good, with(&PairOptions::distance_precision, bad)), "") << bad;
+    EXPECT_THROW(makeCertified(a, b, with(&PairOptions::time_precision, bad)), std::invalid_argument);
+  }
+  Piece thin = good, backwards = good;
+  thin.tube = -1e-3;
+  std::swap(backwards.start_ns, backwards.end_ns);
+  EXPECT_EQ(complaint(thin, {}), "impact: Piece::tube [m] is -0.001; it must be 0 or more");
+  EXPECT_NE(complaint(backwards, {}), "");
+  Watched watched({sphere(0.05)}, {sphere(0.05)});
+  EXPECT_THROW(watched.advance(thin), std::invalid_argument);
+  EXPECT_THROW(watched.advance(backwards), std::invalid_argument);
+}
+
 TEST(Certified, InsideASolidIsTouching) {
   // "A point through a solid gives IMPACT at entry and SEPARATION at exit ... Fully inside a solid is
   // touching."
@@ -181,8 +220,7 @@ TEST(Certified, AnImpactExactlyAtTheLastStamp) {
 }
 
 TEST(Certified, InterruptEndsAnOpenContactOnce) {
-  // "finish(), then for an open contact one UNCERTIFIED SEPARATION at its last decided instant with
-  // `reason`."
+  // "finish(), then for an open contact one UNCERTIFIED SEPARATION with `reason`"
   Watched pair({box(2)}, {sphere(0.5)});
   pair.advance(0, kFrame, resting(), flight(0, kFrame, {0, 0, 2.5}, {0, 0, -60}));
   ASSERT_EQ(pair.story(), "IMPACT CONFIRMED") << pair.list();
@@ -195,6 +233,21 @@ TEST(Certified, InterruptEndsAnOpenContactOnce) {
   EXPECT_EQ(pair.state.phase, Phase::kNew);
   pair.interrupt(Reason::kReset);
   EXPECT_EQ(pair.events.size(), 2u) << "nothing is open";
+
+  // "from the last instant at which contact is known (toi_lower) to the last piece's end": the depth fades as
+  // (1 - t/T)^3, so that for the last part of T nobody knows.
+  Watched fading({box(2)}, {box(1)});
+  constexpr double kTime = 1e-9 * kFrame, kDepth = 1e-10;
+  moving::RigidMotion rising = flight(0, kFrame, {0.1, 0.2, 1.5 - kDepth}, {0, 0, 3 * kDepth / kTime});
+  rising.c[2].z() = -3 * kDepth / (kTime * kTime);
+  rising.c[3].z() = kDepth / (kTime * kTime * kTime);
+  fading.advance(0, kFrame, resting(), rising);
+  ASSERT_EQ(fading.story(), "INITIAL_OVERLAP CONFIRMED") << fading.list();
+  fading.interrupt(Reason::kGap);
+  ASSERT_EQ(fading.story(), "INITIAL_OVERLAP CONFIRMED, SEPARATION UNCERTIFIED") << fading.list();
+  EXPECT_LT(fading.events[1].toi_lower, 0.999 * kTime) << fading.list();
+  EXPECT_GT(fading.events[1].toi_lower, 0.9 * kTime) << fading.list();
+  EXPECT_NEAR(fading.events[1].toi_upper, kTime, 1e-12) << fading.list();
 
   Watched apart({box(2)}, {sphere(0.5)});
   apart.advance(0, kFrame, resting(), flight(0, kFrame, {0, 0, 9}, {0, 0, -60}));

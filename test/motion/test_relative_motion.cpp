@@ -141,6 +141,37 @@ TEST(RelativeMotion, TheBeginningOfALongCubicStaysWithinItsError) {
   EXPECT_GE(worst, 0.01) << "the bound tells nothing";
 }
 
+TEST(RelativeMotion, AShortCubicBesideALongSegmentKeepsItsDigits) {
+  // Two poses 100 ns apart whose twists do not quite fit bend by 1e14 m/s^3, but for 100 ns.
+  Random random(kSeed + 8);
+  for (int i = 0; i < 1000; ++i) {
+    StampedPose from, to;
+    from.stamp_ns = static_cast<Nanoseconds>(random.decade(6, 8));
+    to.stamp_ns = from.stamp_ns + static_cast<Nanoseconds>(random.in(100, 3000));
+    from.has_twist = to.has_twist = true;
+    from.pose.position = random.vec(1.0);
+    from.linear = random.vec(10.0);
+    to.linear = from.linear + random.vec(0.3);
+    to.pose.position = from.pose.position + secondsBetween(from.stamp_ns, to.stamp_ns) * from.linear;
+    RigidMotion line;  // the other's segment began long before
+    line.end_ns = 200'000'000;
+    line.c[0] = random.vec(1.0);
+    line.c[1] = random.vec(10.0);
+    const RigidMotion cubic = hermite(from, to);
+    const bool first = random.chance(0.5);
+    const RigidMotion &a = first ? cubic : line, &b = first ? line : cubic;
+    const RelativeMotion m(a, b, from.stamp_ns, to.stamp_ns);
+    const V3 origin = oracle::exact(a.c[0]);
+    const oracle::Path path_a(a, from.stamp_ns, origin), path_b(b, from.stamp_ns, origin);
+    for (int k = 0; k <= 8; ++k) {
+      const double t = m.duration() * k / 8;
+      const V3 exact = path_b.at(t).position - path_a.at(t).position;
+      ASSERT_LE(oracle::norm(exact - oracle::exact(m.displacement(t))), m.translationError()) << "case " << i;
+    }
+    ASSERT_LE(m.translationError(), 1e-12) << "case " << i;
+  }
+}
+
 TEST(RelativeMotion, SpeedAccelerationAndDistanceAreBounds) {
   // "sup |d'| and sup |d''| over the piece", "sup |d|".
   Random random(kSeed + 1);

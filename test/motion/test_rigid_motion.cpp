@@ -151,6 +151,9 @@ TEST(Spin, AnotherNumberOfTurnsThanTheExactOneIsSaidToBeAnywhere) {
     const RigidMotion motion = spin(from, to);
     const Long omega = motion.omega.cast<long double>();
     unknown += motion.turn_error == 2.0;
+    // rigid_motion.h: "and of their number: how much faster it may turn"
+    EXPECT_GE(motion.omega.norm() + motion.rate_error,
+              static_cast<double>(truth.norm()) * (1 - 1e-9) - 1e-14);
     if (std::abs(omega.norm() - truth.norm()) > 3.0L || omega.dot(truth) < 0) {
       ++others;
       EXPECT_EQ(motion.turn_error, 2.0) << "by " << omega.norm() << " rad instead of " << truth.norm();

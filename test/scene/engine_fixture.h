@@ -81,7 +81,6 @@ class LineMethod : public impact::PairMethod {
       state.phase = Phase::kApart;
     }
     state.last_piece = piece;
-    state.decided_ns = piece.end_ns;
     impact::PieceOutcome outcome;
     outcome.node_tests = 1;
     const bool contact = events.size() > before || state.phase == Phase::kTouching;

@@ -8,11 +8,7 @@
 #include "collision_node/impact/convex/closest_points.h"
 
 namespace collision_node::impact {
-namespace {
-
-constexpr double kUp = 1.0 + 64.0 * kUnit;
-
-}  // namespace
+namespace {}  // namespace
 
 /// The bodies see the axis turn; what is left of it beyond the second order is at most s^3 (cubic + s
 /// quartic) for the cores' points together.

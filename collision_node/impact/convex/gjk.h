@@ -54,7 +54,7 @@ struct Closest {
 /// Which points will do instead of the closest ones.
 struct GoodEnough {
   double distance = 0.0;  ///< [m] points as close as this
-  double loss = 0.0;      ///< a larger distance that is too large by this share of what it is more
+  double loss = 0.0;  ///< or as close as the least distance and this share of what that is beyond `distance`
   /// [m] any, once the cores are seen to be farther apart than this
   double far = std::numeric_limits<double>::infinity();
 };

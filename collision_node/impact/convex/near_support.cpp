@@ -97,7 +97,7 @@ Vec3 NearSupport::stand(const Vec3& near, double level, Ways& ways) const {
   }
   if (round_) {
     const double r = half_[0];
-    if (isFlat(0)) {  // an end
+    if (isFlat(0) || !leans_) {  // an end; also where rounding hides which of its sides is higher
       const double from_axis = std::sqrt(seen[0] * seen[0] + seen[1] * seen[1]);
       const double share = from_axis > r ? r / from_axis : 1.0;
       at[0] = share * seen[0];

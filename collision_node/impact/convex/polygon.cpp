@@ -4,11 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/geometry/rounding.h"
+
 namespace collision_node::impact {
 namespace {
 
+using geometry::kUnit;
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kUnit = 1.1102230246251565e-16;  // 2^-53
+constexpr double kAmply = 1.0 + 1e-12;  ///< more than all roundings on the way
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -72,17 +76,16 @@ void convexHull(Polygon& points, Polygon& hull) {
 
 void grownIntersection(const Polygon& p, double grow_p, const Polygon& q, double grow_q, Polygon& both,
                        Polygon& scratch) {
-  constexpr double kUp = 1.0 + 1e-12;
   Vec2 low_p, high_p, low_q, high_q;
   boxOf(p, &low_p, &high_p);
   boxOf(q, &low_q, &high_q);
-  const Vec2 low = (low_p.array() - grow_p * kUp).max(low_q.array() - grow_q * kUp);
-  const Vec2 high = (high_p.array() + grow_p * kUp).min(high_q.array() + grow_q * kUp);
+  const Vec2 low = (low_p.array() - grow_p * kAmply).max(low_q.array() - grow_q * kAmply);
+  const Vec2 high = (high_p.array() + grow_p * kAmply).min(high_q.array() + grow_q * kAmply);
   both.clear();
   if (!(low.x() <= high.x() && low.y() <= high.y())) return;
   both = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
-  clipToGrown(p, grow_p * kUp, both, scratch);
-  clipToGrown(q, grow_q * kUp, both, scratch);
+  clipToGrown(p, grow_p * kAmply, both, scratch);
+  clipToGrown(q, grow_q * kAmply, both, scratch);
 }
 
 void enclosingDisc(const Polygon& points, Vec2* centre, double* radius) {
@@ -140,7 +143,7 @@ Strip stripOf(const Polygon& points) {
 }
 
 bool crossing(const Strip& a, double grow_a, const Strip& b, double grow_b, Vec2* centre, double* radius) {
-  constexpr double kLeastSine = 1e-3, kUp = 1.0 + 1e-12;
+  constexpr double kLeastSine = 1e-3;
   const double sine = a.across.x() * b.across.y() - a.across.y() * b.across.x();
   const double cosine = a.across.dot(b.across);
   if (!(std::abs(sine) > kLeastSine)) return false;
@@ -151,7 +154,7 @@ bool crossing(const Strip& a, double grow_a, const Strip& b, double grow_b, Vec2
             sine;
   const double rounding = 64.0 * kUnit * (std::abs(middle_a) + std::abs(middle_b)) / std::abs(sine);
   *radius = std::sqrt(half_a * half_a + half_b * half_b + 2.0 * half_a * half_b * std::abs(cosine)) /
-                std::abs(sine) * kUp +
+                std::abs(sine) * kAmply +
             rounding;
   return true;
 }

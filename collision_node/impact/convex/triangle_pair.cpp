@@ -9,8 +9,6 @@
 namespace collision_node::impact {
 namespace {
 
-constexpr double kUp = 1.0 + 64.0 * kUnit;
-
 double reachOf(const Vec3 v[3]) {
   return std::sqrt(std::max({v[0].squaredNorm(), v[1].squaredNorm(), v[2].squaredNorm()})) * kUp;
 }

@@ -115,7 +115,10 @@ bool shallowestNormal(const PairPiece& piece, const Cores& cores, Vec3* n) {
 double roundedCone(const PairPiece& piece, const Cores& cores, const Closest& closest, const Vec3& n,
                    double plane_gap, double gap, double moved, const Turned& turned) {
   const double lean = angleOf(2.0 * moved / gap) + directionError(piece, cores, closest, gap);
-  double cone = std::acos((gap - moved) / (closest.v.norm() + moved));
+  // cos(cone) = (gap - moved) / (farthest), by the sine of half of it, which keeps its digits where it is
+  // small.
+  const double farthest = closest.v.norm() + moved;
+  double cone = 2.0 * std::asin(std::sqrt(std::min(1.0, 0.5 * (farthest - gap + moved) / farthest)));
   // A point's closest vector turns with the other core, and as far as the two have moved. Its own turn moves
   // nothing.
   for (const bool point_is_a : {true, false}) {

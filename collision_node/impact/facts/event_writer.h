@@ -19,6 +19,9 @@ class EventWriter {
   /// The bracket's start on this piece's clock; negative when it opened earlier.
   double localStart(const PairEvent& event) const;
 
+  /// How far things may have moved from the bracket's start to this piece's.
+  Earlier earlierThan(const PairEvent& event, const PairState& state) const;
+
   /// Closes an impact's bracket at `upper`; facts are taken at `lower`, before which the pair is apart.
   /// `state` knows how fast things moved since a bracket that opened on an earlier piece. `sure_of_pair`: the
   /// pair is known to touch; else the ball holds every pair that may. A bracket that opened on the piece
@@ -49,7 +52,6 @@ class EventWriter {
   void joinNeighbours(PairEvent& event, ContactFacts& facts, const Bracket& bracket, ElementPair pair);
   static void takeVelocities(ContactFacts& facts, const Piece& incoming);
   static void widenCone(ContactFacts& facts, const ContactFacts& other);
-  Earlier earlierThan(const PairEvent& event, const PairState& state) const;
 
   const PairPiece& pair_;
   const Piece& piece_;

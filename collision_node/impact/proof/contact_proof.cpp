@@ -56,6 +56,8 @@ std::array<std::int16_t, 3> fromShortestEdges(const std::array<std::int16_t, 3>&
 /// Every face at a known side of the origin between the two instants: Bernstein coefficients of the
 /// determinant of three chords, minus `e`, what the true paths can differ from them.
 bool wrapHolds(double e, const Instant& from, const Instant& to, const Wrap& wrap, double& share) {
+  share = 0.5;
+  if (wrap.faces.empty()) return false;
   std::array<Vec3, Wrap::kMostPoints> p, q;
   for (std::size_t i = 0; i < wrap.points.size(); ++i) {
     p[i] = differenceAt(from, wrap.points[i]);
@@ -220,6 +222,7 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
   const auto isClose = [&](const Closest& points) {
     if (!closeThrough(now, now, points, points, radius - 2.0 * piece.point_error)) return false;
     witness.rounded = true;
+    witness.momentary = false;
     witness.shrunk = 0.0;
     witness.closest = points;
     witness.point = sharedPoint(now, points, (a.radius + 0.5 * piece.contact_distance) / radius);
@@ -235,12 +238,14 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
   }
   // Cores that meet touch at any distance: all that is left where the radius is within the rounding.
   if (a.count == 1 && b.count == 1) return false;  // two points: never provable
-  if (!closest.overlap && closest.v.norm() > 16.0 * piece.point_error) return false;
+  constexpr double kFar = 16.0;                    // [budgets] seen so far apart, cores are not wrapped
+  constexpr double kDeepest = 5e3;  // [budgets] what is deeper is found by the first depths too
+  if (!closest.overlap && closest.v.norm() > kFar * piece.point_error) return false;
   if (touchesShrunk(piece, now, a, b, closest.overlap ? closest.last : closest.v, witness)) return true;
   const auto holds = [&] { return holdsWrapped(piece, now, closest, witness); };
   // The tetrahedron in which the origin was found often is proof enough, though not one that lasts.
   if (!(witness.shrunk > 0.0) && wrapTetrahedron(closest, witness.wrap) && holds()) return true;
-  for (double depth = 2.0 * piece.point_error; depth < 5e3 * piece.point_error; depth *= 8.0) {
+  for (double depth = 2.0 * piece.point_error; depth < kDeepest * piece.point_error; depth *= 8.0) {
     if (!buildWrap(cores, depth, witness.wrap)) return false;
     if (holds()) return true;
   }

@@ -1,15 +1,16 @@
 #include "collision_node/impact/straight/path_walk.h"
 
+#include "collision_node/geometry/rounding.h"
 #include "collision_node/impact/straight/eight_floats.h"
 
 namespace collision_node::impact {
 namespace {
 
+using geometry::kUnit;
 using geometry::WideNode;
 
-constexpr float kWider = 0x1p-20f;  ///< more than a parameter's own roundings, in parts of it
-constexpr double kStill = 0x1p-60;  ///< slower than this along an axis is standing still
-constexpr double kU = 0x1p-53;
+constexpr float kWider = 0x1p-20f;       ///< more than a parameter's own roundings, in parts of it
+constexpr double kStill = 0x1p-60;       ///< slower than this along an axis is standing still
 constexpr double kUsualSlack = 0x1p-20;  ///< units
 constexpr double kWidest = 0x1p30;       ///< units; with a wider tube floats say nothing any more
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -43,7 +44,7 @@ COLLISION_NODE_INLINE unsigned nearLanes(const PathWalk& walk, const double* ver
     size = larger(size, larger(magnitude(x[k]), magnitude(y[k])));
     store(z, seen.depth[k]);
   }
-  const Four error = size * (4.0 * f.error + 8.0 * kU * size) + (2.0 * f.error * f.error);
+  const Four error = size * (4.0 * f.error + 8.0 * kUnit * size) + (2.0 * f.error * f.error);
   store(error, seen.error);
   Four side[3];
   for (int k = 0; k < 3; ++k) {
@@ -253,7 +254,7 @@ PathWalk::PathWalk(const WideBvh& bvh, const ShearedFrame& sheared, const Vec3& 
   };
   // What rounding needs is hardly ever more than this, and the walk does not wait for it.
   followWithin(kUsualSlack);
-  const double slack = (error + 32.0 * kU * size) * bvh.scale();
+  const double slack = (error + 32.0 * kUnit * size) * bvh.scale();
   if (slack < kUsualSlack && radius * bvh.scale() < kWidest) return;
   if (radius * bvh.scale() + slack < kWidest) {
     followWithin(slack);

@@ -11,8 +11,6 @@ namespace {
 
 using Met = PathContact::Met;
 
-constexpr double kUp = 1.0 + 64.0 * kUnit;
-
 /// At least the arc sine of x in [0, 1]. Where x is small, x^3/6 and all that follows are below 1e-12 x.
 double asinUp(double x) { return x < 1e-6 ? x * (1.0 + 1e-12) : std::asin(x) * kUp; }
 

@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSlowest = 1e-150;  ///< [m/s] below, reciprocals of velocities might overflow
-constexpr double kUp = 1.0 + 64.0 * kUnit;
 
 bool isZero(const Vec3& v) { return motion::areZero(v.data(), 3); }
 

@@ -41,7 +41,9 @@ class StraightPath::PointVisitor final : public PathCollector {
     const Vec3 &a = vertices[met.vertex[0]], &b = vertices[met.vertex[1]], &c = vertices[met.vertex[2]];
     // Where the path crosses the plane, n . (x(t) - a) = 0, with all that this may be off.
     const Vec3 e1 = b - a, e2 = c - a, n = e1.cross(e2);
-    const double n_error = 8.0 * kUnit * sumOf(e1) * sumOf(e2), length = n.norm();
+    const double n_error = 8.0 * kUnit * sumOf(e1) * sumOf(e2);
+    // At least |n|: the squares of what is very small are lost.
+    const double length = std::sqrt(n.squaredNorm() + std::numeric_limits<double>::min());
     const double rate = n.dot(path_.v_);
     const double slowest = std::abs(rate) - (n_error + 8.0 * kUnit * length) * path_.speed_;
     // In any case between the first and the last vertex along the path.

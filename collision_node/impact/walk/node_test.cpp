@@ -9,8 +9,6 @@
 namespace collision_node::impact {
 namespace {
 
-constexpr double kUp = 1.0 + 64.0 * kUnit;
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr int kWidth = geometry::BvhBlock::kWidth;

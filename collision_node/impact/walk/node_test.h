@@ -1,7 +1,7 @@
 /// When can two boxes, or two triangles, of a pair touch? The inner loop of the search.
 ///
-/// Guarantee: a time that clipChildren() cuts off, and a pair that trianglesApart() passes, is proved farther
-/// apart than the contact distance. Derivation: docs/solver.md, "The node test".
+/// Guarantee: time that clipChildren() cuts off, and a pair of which nodesApart() or trianglesApart() is
+/// true, is proved farther apart than the contact distance. Derivation: docs/solver.md, "The node test".
 #pragma once
 
 #include "collision_node/impact/walk/time_slabs.h"

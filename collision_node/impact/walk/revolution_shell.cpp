@@ -10,8 +10,7 @@
 namespace collision_node::impact {
 namespace {
 
-constexpr double kUp = 1.0 + 64.0 * kUnit;
-constexpr double kTurn = 7.0;             ///< [rad] from here on the shell stands for the body
+constexpr double kTurn = 7.0;  ///< [rad] a little over a turn: from here on the shell stands for the body
 constexpr std::size_t kMostNodes = 1024;  ///< looked at for one body's extents
 constexpr double kTestsPerRadian =
     16.0;                      ///< spent on the shells at most: in proportion to what they may save

@@ -8,7 +8,6 @@ namespace collision_node::impact {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kUp = 1.0 + 64.0 * kUnit;
 
 /// Split time rather than space when the motion's remainder exceeds this share of the nodes' sizes and of
 /// what counts as contact between them (measured: flat from 0.03 to 0.06). Nodes so small that they are split
@@ -172,7 +171,8 @@ void Search::walk(double from, double to, bool by_time, Leaf&& leaf) {
   }
 }
 
-Search::First Search::firstPossible(double from, double to, double stop, double window) {
+Search::First Search::firstPossible(double from, double to, double width, double window) {
+  constexpr double kShareOfWidth = 0.1;
   struct Leaf {
     Search& search;
     double stop, window;
@@ -199,11 +199,12 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
       return first.time + window;
     }
   };
+  const double stop = kShareOfWidth * width;
   First first;
   near_.clear();
   near_from_ = stopped_at_ = kInfinity;
   if (straight_) {
-    straight_->first(from, to, 10.0 * stop, path_contact_);
+    straight_->first(from, to, width, path_contact_);
     node_tests_ += path_contact_.tests;
     if (path_contact_.kind == PathContact::Kind::kClear) return first;
     if (path_contact_.kind == PathContact::Kind::kContact) {
@@ -220,6 +221,8 @@ Search::First Search::firstPossible(double from, double to, double stop, double 
   near_from_ = exhausted() ? kInfinity : asked_from;
   if (first.found) stopped_at_ = first.time;
   near_to_ = first.found ? std::min(first.time + window, asked_to) : asked_to;
+  // What begins at the window's end was not looked at any more.
+  near_all_to_ = first.found ? std::min(std::nextafter(first.time + window, -kInfinity), asked_to) : asked_to;
   near_.erase(std::remove_if(near_.begin(), near_.end(), [&](const Near& n) { return n.time > near_to_; }),
               near_.end());
   return first;
@@ -280,7 +283,7 @@ NearPairs Search::nearPairs(double from, double to, std::size_t limit, ElementPa
   };
   NearPairs pairs;
   Leaf leaf{*this, pairs, limit, known};
-  if (from >= near_from_ && to <= near_to_) {  // all of them were seen a moment ago
+  if (from >= near_from_ && to <= near_all_to_) {  // all of them were seen a moment ago
     for (const Near& near : near_) {
       ++node_tests_;
       if (leaf.advance(near.pair.a, near.pair.b, {from, to}) < 0.0) break;

@@ -3,7 +3,8 @@
 ///
 /// Guarantee: a time that firstPossible() passes over, and an instant that classify() calls apart, is proved
 /// free of contact between surfaces (closed meshes may hold each other: inside.h). Everything else is
-/// reported, never dropped. Source of the walk and its bounds: docs/solver.md, "The node test".
+/// reported, never dropped, as long as exhausted() is false. Source of the walk and its bounds:
+/// docs/solver.md, "The node test".
 #pragma once
 
 #include <limits>
@@ -44,9 +45,10 @@ class Search {
     ElementPair pair;   ///< what could not be proved apart there; -1 when the budget ran out
   };
 
-  /// The first time in [from, to] that is not proved free. Steps shorter than `stop` are not refined further.
-  /// With a window, nearPairs() of times in [first.time, first.time + window] needs no walk of its own.
-  First firstPossible(double from, double to, double stop, double window = 0.0);
+  /// The first time in [from, to] that is not proved free, for a bracket that is to be about `width` wide:
+  /// what parts the pair for less than a tenth of that does not part it. With a window, nearPairs() of times
+  /// in [first.time, first.time + window) needs no walk of its own.
+  First firstPossible(double from, double to, double width, double window = 0.0);
 
   /// The pair as a straight path, if it is one; null otherwise.
   const StraightPath* straight() const { return straight_ ? &*straight_ : nullptr; }
@@ -77,7 +79,11 @@ class Search {
   double closingSpeed(const First& last);
 
   /// Pairs of elements not proved apart throughout [from, to], at most `limit` (<= 64), without `known`.
+  /// These are not all where there are `limit` of them, or when exhausted() is true.
   NearPairs nearPairs(double from, double to, std::size_t limit, ElementPair known = {});
+
+  /// Are all pairs of elements proved apart throughout [from, to]?
+  bool provesApart(double from, double to) { return nearPairs(from, to, 1).empty() && !exhausted(); }
 
   /// The part of the piece's time outside of which no point of one body can come within reach of the other.
   const Span& withinReach() const { return reach_; }
@@ -131,10 +137,11 @@ class Search {
   PathContact path_contact_;
   TimeSlabs slabs_;
   Agenda& agenda_;
-  /// Every pair of elements that is not proved apart throughout [near_from_, near_to_] is among these.
+  /// Every pair of elements that is not proved apart throughout [near_from_, near_all_to_] is among these,
+  /// and of those that are not up to near_to_ some.
   std::vector<Near>& near_;
   std::vector<ContactWitness>& found_;  ///< by classify()
-  double near_from_ = std::numeric_limits<double>::infinity(), near_to_ = 0.0;
+  double near_from_ = std::numeric_limits<double>::infinity(), near_all_to_ = 0.0, near_to_ = 0.0;
   double stopped_at_ = std::numeric_limits<double>::infinity();  ///< the last firstPossible()
   ElementPair stopped_by_;             ///< and which pair it could not part any longer
   Closest stopped_closest_;            ///< their closest points, about

@@ -6,7 +6,6 @@
 namespace collision_node::impact {
 namespace {
 
-constexpr double kUp = 1.0 + 64.0 * kUnit;
 constexpr std::size_t kMany = std::size_t{1} << 19;
 
 void store(const Mat3& m, double to[3][4]) {

@@ -38,7 +38,7 @@ class TimeSlabs {
   const Slab& operator[](std::int32_t slab) const { return slabs_[slab]; }
   std::int32_t childOf(std::int32_t slab, bool late);
   std::uint64_t subdivisions() const { return subdivisions_; }
-  /// Have there been so many at once that memory is to be spared? Some 400 MB.
+  /// Have there been so many at once that memory is to be spared? Some 400 MB; 600 while the memory grew.
   bool areMany() const { return are_many_; }
 
  private:
