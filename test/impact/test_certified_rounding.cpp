@@ -119,6 +119,36 @@ TEST(Certified, ASlowHitOfALargeTurningBodyIsOneImpact) {
   std::printf("%d of %d in several events, widest %.3f W\n", several, kCases, widest);
 }
 
+/// "Brackets no wider than W": 8 budgets at the speed at which the two part, which is 2.0e5 m/s (from the
+/// gap in 64 bits, which grows evenly). Between support points of the cylinder that are hundreds of
+/// kilometres apart, the search for closest points loses what is small.
+TEST(Certified, WhatIsTinyBesideALargeCylinderPartsWithinW) {
+  const moving::Shapes box = {moving::placed(
+                           geometry::Box{{2.3612244313397235, 3.764622998899616, 2.5404258479118451}})},
+                       cylinder = {
+                           moving::placed(geometry::Cylinder{274291.23271870264, 1343790.0953274295})};
+  PairOptions options;
+  options.contact_distance = 0.00056850872136931824;
+  options.time_precision = 4.02818e-18;
+  const Piece piece{
+      0, 402818,
+      flight(-514703, 737554, {506314.42545848474, -5426365.9958128585, 4021727.4642905518},
+             {-15409.274296228854, -1517.3644774861709, -2844.0843428303451},
+             {37004.712999352887, 125744.12417284446, -178129.6076535804},
+             {0.083760957389403118, 0.20582901913764667, 0.19124665991800147, 0.9560560820204288}),
+      flight(-301004, 402818, {182511.94297607144, -5331758.0267427051, 3916828.0656715329},
+             {-15408.93110247906, -1517.1830832186183, -2843.7302644341044}, Vec3::Zero(),
+             {-0.40603297037270553, -0.3921532122304851, 0.27276561970848473, 0.77907124309184717})};
+  Watched pair(box, cylinder, options);
+  pair.advance(piece);
+  const auto part = std::find_if(pair.events.begin(), pair.events.end(), [](const PairEvent& e) {
+    return e.kind == Kind::kSeparation && std::abs(e.toi_upper - 8.25233531e-5) < 1e-11;
+  });
+  ASSERT_NE(part, pair.events.end()) << pair.list();
+  EXPECT_EQ(part->certificate, Certificate::kConfirmed);
+  EXPECT_LE(part->toi_upper - part->toi_lower, 8.204e-13);
+}
+
 /// By how much of its cone and of its ball an event is off the true normal and point.
 struct Share {
   double cone = 0.0, ball = 0.0;

@@ -213,6 +213,36 @@ bool holdsWrapped(const PairPiece& piece, const Instant& now, const Closest& clo
   return true;
 }
 
+/// A side's points are those of its axis: instead the cylinder's point that is nearest to the other core's.
+void dropOnCylinder(const Cores& cores, bool cylinder_is_a, Closest& closest) {
+  const PosedCore &cylinder = cylinder_is_a ? cores.a : cores.b, &other = cylinder_is_a ? cores.b : cores.a;
+  const ClampingCore solid(*cylinder.element);
+  SupportPair& p = closest.point[0];
+  const Vec3 seen =
+      cylinder.rotation->transpose() * (other.place(cylinder_is_a ? p.local_b : p.local_a) - cylinder.origin);
+  const Vec3 x = solid.frame.axes.transpose() * (seen - solid.frame.centre);
+  const Vec3 offset = solid.frame.axes * solid.see(x, Vec3::Zero()).offset;
+  (cylinder_is_a ? p.local_a : p.local_b) = seen - offset;
+  p.w = *cylinder.rotation * (cylinder_is_a ? offset : Vec3(-offset));
+  closest.count = 1;
+  closest.weight[0] = 1.0;
+  closest.v = p.w;
+}
+
+/// The vertex that is nearest to a cylinder, and the cylinder's point nearest to it. Support points of a
+/// large cylinder are far apart: between them the search for closest points may lose what is small beside it.
+Closest nearestVertex(const Cores& cores, bool cylinder_is_a) {
+  const PosedCore& other = cylinder_is_a ? cores.b : cores.a;
+  Closest best;
+  for (int i = 0; i < other.element->count; ++i) {
+    Closest dropped;
+    (cylinder_is_a ? dropped.point[0].local_b : dropped.point[0].local_a) = other.element->vertices[i];
+    dropOnCylinder(cores, cylinder_is_a, dropped);
+    if (best.count == 0 || dropped.v.squaredNorm() < best.v.squaredNorm()) best = dropped;
+  }
+  return best;
+}
+
 }  // namespace
 
 bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
@@ -235,6 +265,10 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
       refineWeights(refined);
       if (isClose(refined)) return true;
     }
+    const bool cylinder_is_a = a.vertices == nullptr;
+    if (!closest.overlap && cylinder_is_a != (b.vertices == nullptr) &&
+        isClose(nearestVertex(cores, cylinder_is_a)))
+      return true;
   }
   // Cores that meet touch at any distance: all that is left where the radius is within the rounding.
   if (a.count == 1 && b.count == 1) return false;  // two points: never provable
@@ -264,26 +298,6 @@ bool touchesDeep(const PairPiece& piece, const Instant& now, const Element& a, c
   }
   return false;
 }
-
-namespace {
-
-/// A side's points are those of its axis: instead the cylinder's point that is nearest to the other core's.
-void dropOnCylinder(const Cores& cores, bool cylinder_is_a, Closest& closest) {
-  const PosedCore &cylinder = cylinder_is_a ? cores.a : cores.b, &other = cylinder_is_a ? cores.b : cores.a;
-  const ClampingCore solid(*cylinder.element);
-  SupportPair& p = closest.point[0];
-  const Vec3 seen =
-      cylinder.rotation->transpose() * (other.place(cylinder_is_a ? p.local_b : p.local_a) - cylinder.origin);
-  const Vec3 x = solid.frame.axes.transpose() * (seen - solid.frame.centre);
-  const Vec3 offset = solid.frame.axes * solid.see(x, Vec3::Zero()).offset;
-  (cylinder_is_a ? p.local_a : p.local_b) = seen - offset;
-  p.w = *cylinder.rotation * (cylinder_is_a ? offset : Vec3(-offset));
-  closest.count = 1;
-  closest.weight[0] = 1.0;
-  closest.v = p.w;
-}
-
-}  // namespace
 
 bool touchesSliding(const PairPiece& piece, const Instant& now, const Element& a, const Element& b,
                     const Closest& before, const Vec3* direction, ContactWitness& witness) {
