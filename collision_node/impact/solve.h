@@ -3,9 +3,8 @@
 ///
 /// Guarantee: docs/solver.md, first section. `verdict` says what holds:
 ///   kCulled, kClear   the two are proved apart throughout; no events.
-///   kImpact           every change of contact is an event (up to the first with Scope::kFirstContact); each
-///   is
-///                     CONFIRMED.
+///   kImpact           every change of contact is an event, each CONFIRMED (with Scope::kFirstContact the
+///                     first).
 ///   kUndecided        at least one event is POSSIBLE; its reason says why (GRAZING, BUDGET). Or all that is
 ///                     open is whether the last contact ends before the piece does: it has no SEPARATION.
 /// In events, NaN marks a field that its kind does not define. Streams go through pair_method.h, which

@@ -64,6 +64,7 @@ class Fingerprint {
     add(motion.q0);
     add(motion.omega);
     add(motion.turn_error);
+    add(motion.rate_error);
   }
 
   std::uint64_t value() const { return value_; }

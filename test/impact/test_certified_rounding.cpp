@@ -62,8 +62,8 @@ TEST(Certified, APieceThatBeginsInAnOpenQuestionIsUndecidedAndTheRestOfOneIsTold
     }
     EXPECT_GE(covered, 65.0) << pair.list();
   }
-  // Without one, the rest may be shorter than a bracket: "of an open question that was published once, pieces
-  // are answered undecided until it ends, without an event each".
+  // Without one, the rest may be shorter than a bracket: "an open question is published once, and not again
+  // for each piece until it ends".
   Watched flush({box(1)}, {box(1)});
   for (int i = 0; i < 3; ++i) flush.advance(i * kSecond, (i + 1) * kSecond, resting(), resting({0, 0, 1}));
   const std::size_t told = flush.events.size();

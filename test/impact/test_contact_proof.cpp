@@ -391,8 +391,7 @@ TEST(ContactProof, WhoseWayBendsPastTheBorderDoesNotPass) {
                 0};
       };
       const Vec3 first = seen(0), last = seen(1e-3L);
-      // At half the time it may have gone farthest from the chord; where the bend changes sides, at a
-      // quarter.
+      // At half the time it is farthest from the chord.
       const Vec3 chord = last - first, across = Vec3(chord.y(), -chord.x(), 0).normalized();
       const double bulge = across.dot(seen(5e-4L) - first);
       const Vec3 out = bulge < 0 ? Vec3(-across) : across;

@@ -104,8 +104,8 @@ Story makeStory(Random& random, int kind) {
 }
 
 TEST(FlushStories, NoFreeTimeIsPassedOver) {
-  // "proved to be contact throughout up to gaps no longer than the bracket's width, or no wider than some
-  // rounding budgets", and apart only where nothing is deep.
+  // "proved contact but for gaps no longer than a bracket or no wider than 256 rounding budgets", and apart
+  // only where nothing is deep.
   int free_times = 0, told = 0, possible = 0, events = 0;
   for (int i = 0; i < 400; ++i) {
     Random random(kSeed, i);

@@ -32,8 +32,7 @@ PlacedShape slab(double from, double to, double top) {
 const PlacedShape kSlider = box(0.03125, 0.03125, 0.03125);
 
 TEST(Nasty, C07_AGapBehindAFlushStretchIsToldThoughItIsTheShorter) {
-  // "proved to be contact throughout up to gaps no longer than the bracket's width": flush for 0.2 s, over a
-  // gap for 0.05 s.
+  // "proved contact but for gaps no longer than a bracket": flush for 0.2 s, over a gap for 0.05 s.
   Watched pair({slab(-1, 0, 1e-9), slab(0, 0.25, 0), slab(0.375, 1.375, 1e-9)}, {kSlider});
   slideOverGap(pair);
   ASSERT_EQ(pair.story(), "INITIAL_OVERLAP CONFIRMED, SEPARATION CONFIRMED, IMPACT CONFIRMED") << pair.list();
@@ -42,7 +41,7 @@ TEST(Nasty, C07_AGapBehindAFlushStretchIsToldThoughItIsTheShorter) {
 }
 
 TEST(Nasty, C07_AShortGapWithinAFlushStretchIsTold) {
-  // "no longer than the bracket's width, or no wider than some rounding budgets": 5 ms of 0.3 s flush.
+  // "no longer than a bracket or no wider than 256 rounding budgets": 5 ms of 0.3 s flush.
   Watched pair({slab(-1, 0, 1e-9), slab(0, 0.25, 0), slab(0.2890625, 0.5, 0), slab(0.5, 1.5, 1e-9)},
                {kSlider});
   slideOverGap(pair);

@@ -107,8 +107,7 @@ double ContactView::normalCone(double moved, double known) const {
   for (const SeenPoint& p : b) spread_b = std::max(spread_b, (p.across - b[0].across).squaredNorm());
   const double widest = (b[0].across - a[0].across).norm() + std::sqrt(spread_a) + std::sqrt(spread_b);
   constexpr double kLevel = 1.2;  // heights this close are one level: a hull for each would tell little more
-  constexpr std::size_t kEnough = 64,
-                        kMost = 4096;  // points: beyond, hulls cost more than a sharper cone pays
+  constexpr std::size_t kEnough = 64, kMost = 4096;  // points: hulls of more cost more than they sharpen
   const double known_sine = known < M_PI_2 ? std::sin(known) : 1.0;
   double best_sine = known_sine, done = -1.0;  // every difference up to this height is used
   used.clear();

@@ -8,8 +8,6 @@
 #include "collision_node/impact/convex/closest_points.h"
 
 namespace collision_node::impact {
-namespace {}  // namespace
-
 /// The bodies see the axis turn; what is left of it beyond the second order is at most s^3 (cubic + s
 /// quartic) for the cores' points together.
 GapModel::GapModel(const PairPiece& piece, const Instant& now, const CorePair& cores, const Axis& axis)

@@ -272,8 +272,9 @@ bool touchesAt(const PairPiece& piece, const Instant& now, const Element& a, con
   }
   // Cores that meet touch at any distance: all that is left where the radius is within the rounding.
   if (a.count == 1 && b.count == 1) return false;  // two points: never provable
-  constexpr double kFar = 16.0;                    // [budgets] seen so far apart, cores are not wrapped
-  constexpr double kDeepest = 5e3;  // [budgets] what is deeper is found by the first depths too
+  // [budgets] Cores seen farther apart are not wrapped; what is deeper than all of these, the first one
+  // finds.
+  constexpr double kFar = 16.0, kDeepest = 5e3;
   if (!closest.overlap && closest.v.norm() > kFar * piece.point_error) return false;
   if (touchesShrunk(piece, now, a, b, closest.overlap ? closest.last : closest.v, witness)) return true;
   const auto holds = [&] { return holdsWrapped(piece, now, closest, witness); };
