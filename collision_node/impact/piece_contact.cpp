@@ -43,20 +43,21 @@ bool PieceRun::part(double proved, double nothing, double apart, double& t) {
   return true;
 }
 
+bool PieceRun::endedBefore(double t) {
+  ContactWitness found;
+  const Proved now = search_.classify(t, &found, end_);
+  if (now == Proved::kContact) witness_ = std::move(found);
+  if (now != Proved::kApart) return false;
+  openSeparation(t);
+  publishSeparation(t);
+  return true;
+}
+
 bool PieceRun::follow(double& t) {
+  if (!witness_ && endedBefore(t)) return true;
   double look = floor_;
   double proved = t;   // contact is proved up to here
   double nothing = t;  // the last instant at which nothing was
-  if (!witness_) {     // a new piece: the last one's contact still has to be found in this one
-    ContactWitness found;
-    const Proved now = search_.classify(t, &found, end_);
-    if (now == Proved::kContact) witness_ = std::move(found);
-    if (now == Proved::kApart) {
-      openSeparation(t);
-      publishSeparation(t);
-      return true;
-    }
-  }
   while (t < end_ || witness_) {
     if (search_.exhausted()) {  // all since the last proof is one open question
       t = proved;
@@ -64,24 +65,16 @@ bool PieceRun::follow(double& t) {
       return true;
     }
     if (witness_) {
-      const Stretch stretch = between(proved, t);
+      const Stretch since = between(proved, t);
       if (search_.exhausted()) continue;
-      if (stretch.kind == Stretch::kApart) {
+      if (since.kind == Stretch::kApart) {
         witness_.reset();
-        if (part(proved, proved, stretch.apart, t)) return true;
+        if (part(proved, proved, since.apart, t)) return true;
         continue;
       }
-      if (stretch.kind == Stretch::kUnknown) {
-        openSeparation(proved);
-        contactAfterUnknown(t, *witness_);
-      }
-      is_parting_ = false;
-      persist(t, *witness_, end_);
-      proved = t;
-      last_contact_ = {witness_->element_a, witness_->element_b};
-      witness_.reset();
+      holdOn(since, proved, t);
+      proved = nothing = t;
       look = floor_;
-      nothing = proved;
       if (t >= end_) break;
     }
     const double at = std::min(end_, proved + look);
@@ -94,12 +87,11 @@ bool PieceRun::follow(double& t) {
     }
     if (now == Proved::kApart) {
       const Search::First next = search_.firstPossible(at, end_, width_);
-      const bool owed = !next.found || next.time - at > width_;
-      if (owed) {  // and not before?
-        const Stretch stretch = between(proved, at);
+      if (!next.found || next.time - at > width_) {  // a separation is owed; and not before?
+        const Stretch since = between(proved, at);
         if (search_.exhausted()) continue;
-        const bool sooner = stretch.kind == Stretch::kApart && stretch.apart < at;
-        if (part(proved, sooner ? proved : nothing, sooner ? stretch.apart : at, t)) return true;
+        const bool sooner = since.kind == Stretch::kApart && since.apart < at;
+        if (part(proved, sooner ? proved : nothing, sooner ? since.apart : at, t)) return true;
         continue;
       }
       look = std::max(next.time - proved, look * kGrow);
@@ -107,25 +99,39 @@ bool PieceRun::follow(double& t) {
       nothing = at;
       look *= kGrow;
     }
-    if (at >= end_) {
-      const Stretch stretch = between(proved, end_);
-      if (stretch.kind == Stretch::kApart) {
-        if (part(proved, proved, stretch.apart, t)) return true;
-        continue;
-      }
-      openSeparation(proved);
-      if (stretch.kind == Stretch::kUnknown) {
-        giveUp();
-        return false;
-      }
-      state_.phase = Phase::kUndecided;
-      return waitForMore();
+    if (at < end_) continue;
+    const Stretch since = between(proved, end_);
+    if (since.kind != Stretch::kApart) {
+      leaveOpen(since, proved);
+      return false;
     }
+    if (part(proved, proved, since.apart, t)) return true;
   }
   if (is_parting_) return false;
   openSeparation(proved);  // where the next piece would begin to look
   state_.phase = Phase::kTouching;
   return false;
+}
+
+void PieceRun::holdOn(const Stretch& since, double proved, double& t) {
+  if (since.kind == Stretch::kUnknown) {
+    openSeparation(proved);
+    contactAfterUnknown(t, *witness_);
+  }
+  is_parting_ = false;
+  persist(t, *witness_, end_);
+  last_contact_ = {witness_->element_a, witness_->element_b};
+  witness_.reset();
+}
+
+void PieceRun::leaveOpen(const Stretch& since, double proved) {
+  openSeparation(proved);
+  if (since.kind == Stretch::kUnknown) {
+    giveUp();
+    return;
+  }
+  state_.phase = Phase::kUndecided;
+  waitForMore();
 }
 
 void PieceRun::persist(double& t, ContactWitness& witness, double until) {

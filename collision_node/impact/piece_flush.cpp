@@ -20,18 +20,18 @@ PieceRun::Stretch PieceRun::between(double from, double to) {
   options.node_budget = static_cast<std::uint64_t>(kShareOfBudget * static_cast<double>(options.node_budget));
   PairState state;
   std::vector<PairEvent> no_events;
-  PieceRun near(wider, piece_, options, workspace_.buffers().forFlush(), state, no_events);
+  PieceRun grown(wider, piece_, options, workspace_.buffers().forFlush(), state, no_events);
 
   const auto stretch = [&]() -> Stretch {
     ContactWitness witness;
     double t = from, look = 0.0;
     while (t < to) {
-      if (near.search_.exhausted() || search_.exhausted()) return {Stretch::kUnknown};
+      if (grown.search_.exhausted() || search_.exhausted()) return {Stretch::kUnknown};
       const double at = std::min(to, t + look);
       double reached = t;
-      if (near.search_.classify(at, &witness, to - at) == Proved::kContact) {
+      if (grown.search_.classify(at, &witness, to - at) == Proved::kContact) {
         reached = at;
-        near.persist(reached, witness, to);
+        grown.persist(reached, witness, to);
       } else if (search_.classify(at, &witness) == Proved::kApart) {
         const Search::First next = search_.firstPossible(at, end_, width_);
         if (!next.found || next.time - t > longest_gap_) return {Stretch::kApart, at};
@@ -43,7 +43,7 @@ PieceRun::Stretch PieceRun::between(double from, double to) {
     }
     return {Stretch::kClose};
   }();
-  search_.countTests(near.search_.nodeTests());
+  search_.countTests(grown.search_.nodeTests());
   return stretch;
 }
 

@@ -122,80 +122,91 @@ void PieceRun::open(Kind kind, double t, ElementPair pair) {
 }
 
 bool PieceRun::resolve(double& t) {
-  const double from = t;
   const bool carried = state_.pending.interval_start_ns != piece_.start_ns;
-  double proved_nothing = from;  // the last instant at which nothing was proved
-  ContactWitness found;
-  const PathContact* met = carried ? nullptr : search_.provedAt(from);
+  const PathContact* met = carried ? nullptr : search_.provedAt(t);
   if (met != nullptr && closeStraight(*met)) {
     t = met->upper;
     return true;
   }
-  bool bold = false;
-  bool small = carried;  // start from the smallest step: something may be decided at once
-  double step = small ? floor_ : 0.5 * width_;
-  while (true) {
-    if (search_.exhausted()) return true;
-    const double at = std::min(end_, from + step);
-    // Most often the pair that could not be proved apart is the one that touches.
-    Proved proved = Proved::kNothing;
-    if (opened_.a >= 0) proved = search_.classifyPair(at, opened_, &found);
-    if (proved != Proved::kContact) proved = search_.classify(at, &found, end_);
-    if (proved == Proved::kNothing && search_.holdsHidden(at, &found)) proved = Proved::kContact;
+  // Of a carried bracket something may be decided at once.
+  Onset onset{t, t, carried ? floor_ : 0.5 * width_, carried, carried, false};
+  ContactWitness found;
+  while (!search_.exhausted()) {
+    const double at = std::min(end_, onset.from + onset.step);
+    const Proved proved = lookAt(at, found);
     if (proved == Proved::kContact) {
-      t = soonestContact(from, proved_nothing, at, found);
-      confirm(from, t, found);
+      t = soonestContact(onset.from, onset.nothing, at, found);
+      confirm(onset.from, t, found);
       return true;
     }
-    if (proved == Proved::kApart && !(from >= end_)) {
-      if (passed(from, at, t)) return true;
-      if (!small && floor_ < 0.5 * step) {  // too far at once: look into what was skipped
-        small = true;
-        const bool goes_on = from - free_end_ <= width_;  // the bracket before this one was free, too
-        bold = goes_on && free_step_ > 0.0;
-        step = bold ? std::min(kBolder * free_step_, step) : floor_;
-        continue;
-      }
-      if (state_.published) {  // until now nobody knows: since when?
-        const Stretch stretch = between(from, at);
-        if (stretch.kind == Stretch::kApart && stretch.apart < at) {
-          publishPossible(stretch.apart);
-          state_.phase = Phase::kApart;
-          t = stretch.apart;
-          return true;
-        }
-      }
-      if (inBetween(proved_nothing, at, found)) {
-        confirm(from, found_at_, found);
-        t = found_at_;
-        return true;
-      }
-      if (search_.provesApart(from, at) && !carried) {  // a second look proves the bracket free
-        state_.phase = Phase::kApart;
-        free_step_ = at - from;
-        free_end_ = t = at;
-        return true;
-      }
-      if (bold) {  // too bold
-        bold = false;
-        step = floor_;
-        continue;
-      }
-      const Search::First next = search_.firstPossible(at, end_, width_);
-      if (next.found && next.time < end_ && belongsTogether(from, at, next)) {
-        step = std::max(next.time - from, step * kGrow);
-        proved_nothing = next.time;
-        continue;
-      }
-      publishPossible(at);
-      state_.phase = Phase::kApart;
-      t = at;
-      return true;
+    if (proved == Proved::kApart && onset.from < end_) {
+      if (closesApart(onset, at, found, t)) return true;
+      continue;
     }
-    if (at >= end_) return waitForMore();
-    proved_nothing = at;
-    step *= kGrow;
+    if (at >= end_) {
+      waitForMore();
+      return false;
+    }
+    onset.nothing = at;
+    onset.step *= kGrow;
   }
+  return true;
+}
+
+Proved PieceRun::lookAt(double at, ContactWitness& found) {
+  // Most often the pair that could not be proved apart is the one that touches.
+  Proved proved = Proved::kNothing;
+  if (opened_.a >= 0) proved = search_.classifyPair(at, opened_, &found);
+  if (proved != Proved::kContact) proved = search_.classify(at, &found, end_);
+  if (proved == Proved::kNothing && search_.holdsHidden(at, &found)) proved = Proved::kContact;
+  return proved;
+}
+
+bool PieceRun::closesApart(Onset& onset, double at, ContactWitness& found, double& t) {
+  const double from = onset.from;
+  if (passed(from, at, t)) return true;
+  if (!onset.small && floor_ < 0.5 * onset.step) {  // too far at once: look into what was skipped
+    onset.small = true;
+    const bool goes_on = from - free_end_ <= width_;  // the bracket before this one was free, too
+    onset.bold = goes_on && free_step_ > 0.0;
+    onset.step = onset.bold ? std::min(kBolder * free_step_, onset.step) : floor_;
+    return false;
+  }
+  if (state_.published) {  // until now nobody knows: since when?
+    const Stretch stretch = between(from, at);
+    if (stretch.kind == Stretch::kApart && stretch.apart < at) {
+      publishPossible(stretch.apart);
+      state_.phase = Phase::kApart;
+      t = stretch.apart;
+      return true;
+    }
+  }
+  if (inBetween(onset.nothing, at, found)) {
+    confirm(from, found_at_, found);
+    t = found_at_;
+    return true;
+  }
+  if (search_.provesApart(from, at) && !onset.carried) {  // a second look proves the bracket free
+    state_.phase = Phase::kApart;
+    free_step_ = at - from;
+    free_end_ = t = at;
+    return true;
+  }
+  if (onset.bold) {  // too bold
+    onset.bold = false;
+    onset.step = floor_;
+    return false;
+  }
+  const Search::First next = search_.firstPossible(at, end_, width_);
+  if (next.found && next.time < end_ && belongsTogether(from, at, next)) {
+    onset.step = std::max(next.time - from, onset.step * kGrow);
+    onset.nothing = next.time;
+    return false;
+  }
+  publishPossible(at);
+  state_.phase = Phase::kApart;
+  t = at;
+  return true;
 }
 
 bool PieceRun::belongsTogether(double from, double at, const Search::First& next) {
@@ -221,10 +232,9 @@ double PieceRun::soonestContact(double from, double nothing, double at, ContactW
   return at;
 }
 
-bool PieceRun::waitForMore() {
+void PieceRun::waitForMore() {
   const bool carried = state_.pending.interval_start_ns != piece_.start_ns;
   if (carried && !state_.published) giveUp();
-  return false;
 }
 
 void PieceRun::confirm(double from, double at, const ContactWitness& found) {

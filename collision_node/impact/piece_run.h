@@ -30,6 +30,12 @@ class PieceRun {
   PieceOutcome run();
 
  private:
+  /// What is known of a time, between two proofs of contact or up to the end, in which nothing was proved.
+  struct Stretch {
+    enum Kind { kClose, kApart, kUnknown } kind;
+    double apart = 0.0;  ///< kApart: from this instant on, for longer than a bracket may be wide
+  };
+
   /// Successive instants of a search behind the end of a proof grow by this. What rounding hides is up to six
   /// budgets wide; with this overshoot a bracket stays within eight.
   static constexpr double kGrow = 1.3;
@@ -53,6 +59,20 @@ class PieceRun {
   /// Behind the start of an open bracket: finds what is proved first, contact or clearance. Returns false at
   /// the end.
   bool resolve(double& t);
+  /// An open bracket that begins at `from`, and how far its search has come.
+  struct Onset {
+    double from;
+    double nothing;  ///< the last instant at which nothing was proved
+    double step;     ///< from the start to the instant looked at next
+    bool carried;    ///< the bracket was opened by an earlier piece
+    bool small;      ///< steps have begun at the smallest: what was skipped may hold a contact
+    bool bold;       ///< or at what the bracket before, found free, had taken
+  };
+  /// Contact or clearance at `at`, by whatever proves it.
+  Proved lookAt(double at, ContactWitness& found);
+  /// The pair is apart at `at`, behind an open bracket: true where that closes it and moves t, else the onset
+  /// says where to look next.
+  bool closesApart(Onset& onset, double at, ContactWitness& found, double& t);
   /// A bracket that began at `from` is free at `at`, and the next one would begin soon: in less time than the
   /// bracket has taken, or than a bracket may take, or than the last budgets before a slow contact do?
   bool belongsTogether(double from, double at, const Search::First& next);
@@ -71,7 +91,7 @@ class PieceRun {
   bool closeStraight(const PathContact& met);
   /// The piece ends inside an open bracket. One that has been open for a whole piece is published and holds
   /// up nothing.
-  bool waitForMore();
+  void waitForMore();
   /// Contact is proved at `at`: closes the open bracket as CONFIRMED.
   void confirm(double from, double at, const ContactWitness& found);
   /// Contact at a few instants strictly between two?
@@ -87,17 +107,19 @@ class PieceRun {
   TrianglePatch patchAround(const NearPairs& near, ElementPair pair, bool point_is_a, int shape) const;
   /// In contact at `t`: follows the proof forward, and where it ends looks for the next one or for clearance.
   bool follow(double& t);
+  /// A piece begins in contact: finds it there, or publishes that it ended and is true.
+  bool endedBefore(double t);
+  /// Contact is proved at t: follows that proof to its end. Where nothing is known of the time since the last
+  /// one, at `proved`, that is published first.
+  void holdOn(const Stretch& since, double proved, double& t);
   /// Moves t forward, up to `until`, as long as this witness proves contact.
   void persist(double& t, ContactWitness& witness, double until);
   /// Contact is proved at `proved` and the pair is apart at `apart`: publishes the separation and is true, or
   /// finds contact again shortly before it.
   bool part(double proved, double nothing, double apart, double& t);
+  /// Contact is proved at `proved`, and the piece ends without another proof: the next one goes on from here.
+  void leaveOpen(const Stretch& since, double proved);
 
-  /// What is known of a time, between two proofs of contact or up to the end, in which nothing was proved.
-  struct Stretch {
-    enum Kind { kClose, kApart, kUnknown } kind;
-    double apart = 0.0;  ///< kApart: from this instant on, for longer than a bracket may be wide
-  };
   /// Is the pair close enough to contact throughout, up to gaps no longer than a bracket's width? Of a time
   /// as short as that nothing is asked.
   Stretch between(double from, double to);

@@ -41,7 +41,7 @@ Vec3 sideways(const Vec3& axis, const Vec3& up, double* radial) {
 
 }  // namespace
 
-ContactView::Sight::Sight(const PosedCore& core, const Vec3& up_w, const Vec3& e1, const Vec3& e2)
+ContactView::SeenCore::SeenCore(const PosedCore& core, const Vec3& up_w, const Vec3& e1, const Vec3& e2)
     : element(*core.element), up(core.rotation->transpose() * up_w) {
   turn.row(0) = up.transpose();
   turn.row(1) = e1.transpose() * *core.rotation;
@@ -61,21 +61,20 @@ ContactView::ContactView(const Cores& cores, const Vec3& n, ViewBuffers& buffers
 
 /// All vertices, or corners and rim points of a cylinder; those least deep first. Returns the highest of the
 /// core.
-double ContactView::see(const Sight& sight, std::vector<SeenPoint>& points) {
-  const Element& e = sight.element;
+double ContactView::see(const SeenCore& core, std::vector<SeenPoint>& points) {
+  const Element& e = core.element;
   points.clear();
   const auto add = [&](const Vec3& seen) { points.push_back({seen[0], seen.tail<2>()}); };
   double top = -kInfinity;
   if (e.vertices != nullptr) {
-    for (int i = 0; i < e.count; ++i) add(sight.see(e.vertices[i]));
+    for (int i = 0; i < e.count; ++i) add(core.see(e.vertices[i]));
   } else {
-    top = sight.see(supportOf(e, sight.up))[0];
-    const double along = sight.up.dot(e.axis);
+    top = core.see(supportOf(e, core.up))[0];
+    const double along = core.up.dot(e.axis);
     double radial = 0.0;
-    const Vec3 side = sideways(e.axis, sight.up, &radial);
-    const Vec3 middle = sight.see(e.centre),
-               end = sight.turn * (std::copysign(e.half_length, along) * e.axis);
-    const Vec3 x = sight.turn * (e.rim_radius * side), y = sight.turn * (e.rim_radius * e.axis.cross(side));
+    const Vec3 side = sideways(e.axis, core.up, &radial);
+    const Vec3 middle = core.see(e.centre), end = core.turn * (std::copysign(e.half_length, along) * e.axis);
+    const Vec3 x = core.turn * (e.rim_radius * side), y = core.turn * (e.rim_radius * e.axis.cross(side));
     const auto at = [&](const Vec3& centre, const Turn& turn) {
       add(centre + (turn.cosine * x + turn.sine * y));
     };
@@ -156,9 +155,9 @@ double ContactView::normalCone(double moved, double known) const {
 }
 
 /// Corner points of a set that holds every point of the core within `depth` of its support plane.
-void ContactView::cap(const Sight& sight, const std::vector<SeenPoint>& points, double depth, double tilt,
+void ContactView::cap(const SeenCore& core, const std::vector<SeenPoint>& points, double depth, double tilt,
                       Polygon& cap) {
-  const Element& e = sight.element;
+  const Element& e = core.element;
   cap.clear();
   if (e.vertices != nullptr) {
     std::size_t kept = 0;
@@ -173,9 +172,9 @@ void ContactView::cap(const Sight& sight, const std::vector<SeenPoint>& points, 
     }
     return;
   }
-  const double along = sight.up.dot(e.axis);
+  const double along = core.up.dot(e.axis);
   double radial = 0.0;
-  const Vec3 side = sideways(e.axis, sight.up, &radial);
+  const Vec3 side = sideways(e.axis, core.up, &radial);
   const Vec3 other = e.axis.cross(side);
   const double r = e.rim_radius;
   const double z_low =
@@ -183,9 +182,9 @@ void ContactView::cap(const Sight& sight, const std::vector<SeenPoint>& points, 
   const double x_low = radial > 0.0 ? std::max(-r, r - depth / radial) : -r;
   double reach = x_low > 0.0 ? std::sqrt(std::max(0.0, (r - x_low) * (r + x_low))) : r;
   if (radial > 0.0 && tilt < 0.5 * radial) reach = std::min(reach, r * std::sin(2.0 * tilt / radial));
-  const Vec3 middle = sight.see(e.centre);
-  const Vec3 end = sight.turn * ((along >= 0.0 ? e.half_length : -e.half_length) * e.axis);
-  const Vec3 to_side = sight.turn * side, to_other = sight.turn * (reach * other);
+  const Vec3 middle = core.see(e.centre);
+  const Vec3 end = core.turn * ((along >= 0.0 ? e.half_length : -e.half_length) * e.axis);
+  const Vec3 to_side = core.turn * side, to_other = core.turn * (reach * other);
   for (const double z : {z_low, 1.0}) {
     for (const double x : {x_low, r}) {
       const Vec3 between = middle + z * end + x * to_side;

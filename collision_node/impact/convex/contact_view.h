@@ -47,8 +47,8 @@ class ContactView {
 
  private:
   /// A core as it is seen: heights along n or -n, and places across it.
-  struct Sight {
-    Sight(const PosedCore& core, const Vec3& up, const Vec3& e1, const Vec3& e2);
+  struct SeenCore {
+    SeenCore(const PosedCore& core, const Vec3& up, const Vec3& e1, const Vec3& e2);
     Vec3 see(const Vec3& local) const { return turn * local + origin; }
 
     const Element& element;
@@ -56,13 +56,13 @@ class ContactView {
     Mat3 turn;    ///< rows: up, e1, e2 in the object's frame
     Vec3 origin;  ///< of the object's frame, seen
   };
-  static double see(const Sight& sight, std::vector<SeenPoint>& points);
-  static void cap(const Sight& sight, const std::vector<SeenPoint>& points, double depth, double tilt,
+  static double see(const SeenCore& core, std::vector<SeenPoint>& points);
+  static void cap(const SeenCore& core, const std::vector<SeenPoint>& points, double depth, double tilt,
                   Polygon& cap);
 
   ViewBuffers& buffers_;
   Vec3 n_, e1_, e2_;
-  Sight a_, b_;
+  SeenCore a_, b_;
   double top_a_ = 0.0, low_b_ = 0.0;
 };
 

@@ -180,14 +180,22 @@ class AxisList {
   Vec3 across_;
 };
 
+/// An element in the world, from A's origin, and how it turns.
+struct Turning {
+  const Element& element;
+  const Mat3& rotation;
+  Vec3 origin;
+  Vec3 omega;
+};
+
 /// Axis, side normals through the other's vertices, and normals of the axis with the other's edges.
-void addCylinderAxes(AxisList& axes, const Element& cylinder, const Mat3& rotation, const Vec3& origin,
-                     const Vec3& omega, const Element& other, const Mat3& other_rotation,
-                     const Vec3& other_origin, const Vec3& other_omega) {
-  const Vec3 axis = rotation * cylinder.axis;
+void addCylinderAxes(AxisList& axes, const Turning& round, const Turning& beside) {
+  const Element &cylinder = round.element, &other = beside.element;
+  const Vec3 &omega = round.omega, &other_omega = beside.omega;
+  const Vec3 axis = round.rotation * cylinder.axis;
   axes.add(axis, omega.cross(axis), 1.0);
   if (other.vertices == nullptr) {
-    const Vec3 second = other_rotation * other.axis;
+    const Vec3 second = beside.rotation * other.axis;
     axes.add(axis.cross(second), omega.cross(axis).cross(second) + axis.cross(other_omega.cross(second)),
              1.0);
     return;
@@ -196,7 +204,7 @@ void addCylinderAxes(AxisList& axes, const Element& cylinder, const Mat3& rotati
   const bool box = other.frame != nullptr && other.count == 8;
   if (box || other.count == 3) {  // the faces against the rim
     const auto edgeTo = [&](int i) -> Vec3 {
-      return other_rotation * (other.vertices[i] - other.vertices[0]);
+      return beside.rotation * (other.vertices[i] - other.vertices[0]);
     };
     for (const int i : {1, 2, 4}) {
       if (!box && i > 1) break;
@@ -204,14 +212,14 @@ void addCylinderAxes(AxisList& axes, const Element& cylinder, const Mat3& rotati
       axes.add(n, other_omega.cross(n), box ? 0.0 : edgeTo(1).norm() * edgeTo(2).norm());
     }
   }
-  const Vec3 centre = origin + rotation * cylinder.centre;
+  const Vec3 centre = round.origin + round.rotation * cylinder.centre;
   for (int i = 0; i < other.count; ++i) {
-    const Vec3 x = other_origin + other_rotation * other.vertices[i] - centre;
+    const Vec3 x = beside.origin + beside.rotation * other.vertices[i] - centre;
     const Vec3 across = x - axis * axis.dot(x);
     axes.add(across, omega.cross(across), x.norm());
     for (int j = 0; j < i; ++j) {
       if (box && (j > 0 || (i != 1 && i != 2 && i != 4))) continue;
-      const Vec3 edge = other_rotation * (other.vertices[i] - other.vertices[j]);
+      const Vec3 edge = beside.rotation * (other.vertices[i] - other.vertices[j]);
       axes.add(axis.cross(edge), omega.cross(axis).cross(edge) + axis.cross(other_omega.cross(edge)),
                edge.norm());
     }
@@ -268,18 +276,14 @@ void addFaceAxis(AxisList& axes, const Vec3 edges[3], const Vec3& omega) {
 
 Axes featureAxes(const PairPiece& piece, const Instant& now, const Element& a, const Element& b) {
   if (a.vertices != nullptr && b.vertices != nullptr && (a.count > 3 || b.count > 3)) return {};
+  const RelativeMotion& m = piece.motion;
   AxisList axes(now, a, b);
   if (a.vertices == nullptr || b.vertices == nullptr) {
-    const RelativeMotion& motion = piece.motion;
-    if (a.vertices == nullptr) {
-      addCylinderAxes(axes, a, now.ra, Vec3::Zero(), motion.omegaA(), b, now.rb, now.d, motion.omegaB());
-    }
-    if (b.vertices == nullptr) {
-      addCylinderAxes(axes, b, now.rb, now.d, motion.omegaB(), a, now.ra, Vec3::Zero(), motion.omegaA());
-    }
+    const Turning turning_a{a, now.ra, Vec3::Zero(), m.omegaA()}, turning_b{b, now.rb, now.d, m.omegaB()};
+    if (a.vertices == nullptr) addCylinderAxes(axes, turning_a, turning_b);
+    if (b.vertices == nullptr) addCylinderAxes(axes, turning_b, turning_a);
     return axes.all();
   }
-  const RelativeMotion& m = piece.motion;
   Vec3 edges_a[3], edges_b[3];
   const int count_a = a.count == 3 ? 3 : a.count - 1, count_b = b.count == 3 ? 3 : b.count - 1;
   for (int i = 0; i < count_a; ++i) edges_a[i] = now.ra * (a.vertices[(i + 1) % a.count] - a.vertices[i]);

@@ -268,18 +268,20 @@ ContactFacts describeFlush(const PairPiece& piece, const Instant& now, const Cor
 }  // namespace
 
 COLLISION_NODE_ANY_WIDTH
-ContactFacts describeContact(const PairPiece& piece, const Instant& now, double span, ElementPair pair,
-                             double apart_at, const Earlier& earlier, const Parting* parting,
-                             const Closest& start, ViewBuffers& buffers) {
+ContactFacts describeContact(const PairPiece& piece, const Instant& now, ElementPair pair,
+                             const Bracketed& when, const Proposal& proposal, ViewBuffers& buffers) {
   ContactFacts f;
   const RelativeMotion& m = piece.motion;
   const ElementView view_a(piece.a, pair.a), view_b(piece.b, pair.b);
   const Element &ea = *view_a, &eb = *view_b;
   const Cores cores(now, ea, eb);
   const double radius = ea.radius + eb.radius + piece.contact_distance;
-  const bool is_impact = apart_at == 0.0;
+  const bool is_impact = when.apart_at == 0.0;
+  const double span = when.span;
+  const Earlier& earlier = when.earlier;
   // What parted them before a contact may have done so from the other side: from within a solid, or in front
   // of a surface that was passed.
+  const Parting* parting = proposal.parting;
   if (!is_impact && parting != nullptr &&
       !(cores.gapAlong(parting->at(now.t).normalized()) > piece.point_error))
     parting = nullptr;
@@ -299,9 +301,9 @@ ContactFacts describeContact(const PairPiece& piece, const Instant& now, double 
   if (!seePoint(piece, cores, radius, {moved, turned}, &sight)) {
     Closest closest;
     Vec3 n;
-    if (!proposeNormal(piece, now, cores, radius, apart_at, parting, start, &n, &closest))
+    if (!proposeNormal(piece, now, cores, radius, when.apart_at, parting, proposal.closest, &n, &closest))
       return describeFlush(piece, now, cores, closest, own_a, own_b, earlier, is_impact);
-    const Closest& about = closest.count > 0 ? closest : start;
+    const Closest& about = closest.count > 0 ? closest : proposal.closest;
     if (!seeNear(piece, cores, n, about, radius, {moved, turned}, tolerance, &sight))
       sight = see(piece, cores, ContactView(cores, n, buffers), n, closest, radius, {moved, turned});
   }

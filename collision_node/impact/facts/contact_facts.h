@@ -12,6 +12,20 @@ struct Earlier {
   double angle = 0.0;     ///< [rad] that both bodies may have turned, together
 };
 
+/// When a contact begins or ends: within `span` of the instant at which it is described.
+struct Bracketed {
+  double span;      ///< [s]
+  double apart_at;  ///< [s] on the side in time on which the pair is apart: 0 for an impact, the piece's end
+                    ///< for a separation
+  Earlier earlier;
+};
+
+/// Where to begin; any would do.
+struct Proposal {
+  const Parting* parting = nullptr;  ///< a normal
+  Closest closest;                   ///< closest points
+};
+
 struct ContactFacts {
   Vec3 position = Vec3::Zero();           ///< world axes, relative to A's origin at the reference instant [m]
   double position_error = 0.0;            ///< [m] see describeContact()
@@ -22,17 +36,14 @@ struct ContactFacts {
   Side a, b;                              ///< features, elements and witness points; not the poses
 };
 
-/// Facts of the contact of one pair of elements that begins or ends within `span` seconds of `now`.
+/// Facts of the contact of one pair of elements.
 ///
 /// Guarantee: every point that the two elements share at the first (or last) instant of this contact, if that
-/// instant lies within `span` of now.t, is within position_error of `position` + A's origin at now.t (world);
-/// the common support plane there has its normal within normal_error of `normal`. Derivation: docs/solver.md,
-/// "The ball".
-/// `parting` (may be null) proposes a normal, `start` closest points; any would do. `apart_at` [s] lies on
-/// the side in time on which the pair is apart: 0 for an impact, the piece's end for a separation.
-ContactFacts describeContact(const PairPiece& piece, const Instant& now, double span, ElementPair pair,
-                             double apart_at, const Earlier& earlier, const Parting* parting,
-                             const Closest& start, ViewBuffers& buffers);
+/// instant lies within `when.span` of now.t, is within position_error of `position` + A's origin at now.t
+/// (world); the common support plane there has its normal within normal_error of `normal`. Derivation:
+/// docs/solver.md, "The ball".
+ContactFacts describeContact(const PairPiece& piece, const Instant& now, ElementPair pair,
+                             const Bracketed& when, const Proposal& proposal, ViewBuffers& buffers);
 
 /// No pair is known (the budget ran out): a ball that holds all shared points within `span` of now.
 ContactFacts describeUnknown(const PairPiece& piece, const Instant& now, double span);

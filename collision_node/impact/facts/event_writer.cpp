@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/geometry/normal_cone.h"
 #include "collision_node/motion/seconds_from.h"
 
 namespace collision_node::impact {
@@ -50,16 +51,15 @@ void EventWriter::finishSeparation(PairEvent& event, double lower, double upper,
 
 void EventWriter::finish(PairEvent& event, const Bracket& bracket, ElementPair pair) {
   const Instant& now = search_.at(bracket.reference);
-  const double span = bracket.upper - bracket.lower;
   event.multiple = false;
   ContactFacts facts;
   if (pair.a >= 0) {
-    facts = describeContact(pair_, now, span, pair, bracket.apart_at, bracket.earlier,
-                            search_.partingAt(bracket.reference, pair),
-                            search_.closestAt(bracket.reference, pair), views_);
+    const Proposal proposal{search_.partingAt(bracket.reference, pair),
+                            search_.closestAt(bracket.reference, pair)};
+    facts = describeContact(pair_, now, pair, bracket.when(), proposal, views_);
     joinNeighbours(event, facts, bracket, pair);
   } else {
-    facts = describeUnknown(pair_, now, span);
+    facts = describeUnknown(pair_, now, bracket.when().span);
     facts.position_error += 2.0 * bracket.earlier.distance;
   }
   if (bracket.incoming != nullptr) takeVelocities(facts, *bracket.incoming);
@@ -84,16 +84,8 @@ void EventWriter::takeVelocities(ContactFacts& facts, const Piece& incoming) {
   facts.closing_speed = -facts.relative_velocity.dot(facts.normal);
 }
 
-/// Makes the normal's cone hold the other's, which may be the first to touch.
-void EventWriter::widenCone(ContactFacts& facts, const ContactFacts& other) {
-  const double lean = 2.0 * std::asin(std::min(1.0, 0.5 * (facts.normal - other.normal).norm()));
-  const double needed = lean + other.normal_error;
-  // Written so that NaN widens to "unknown".
-  if (!(needed <= facts.normal_error)) facts.normal_error = needed < M_PI ? needed : M_PI;
-}
-
-/// Other element pairs that may touch in the bracket: at the same place they widen the ball, elsewhere they
-/// are said.
+/// Other element pairs that may touch in the bracket, perhaps first: at the same place they widen ball and
+/// cone, elsewhere they are said.
 void EventWriter::joinNeighbours(PairEvent& event, ContactFacts& facts, const Bracket& bracket,
                                  ElementPair pair) {
   if (pair_.a.elementCount() == 1 && pair_.b.elementCount() == 1) return;
@@ -102,14 +94,14 @@ void EventWriter::joinNeighbours(PairEvent& event, ContactFacts& facts, const Br
   const NearPairs near_pairs = search_.nearPairs(bracket.lower, bracket.upper, kLimit, pair);
   if (near_pairs.size() >= kLimit || search_.exhausted()) event.multiple = true;  // not all were looked at
   for (const ElementPair& other : near_pairs) {
-    const ContactFacts near =
-        describeContact(pair_, now, bracket.upper - bracket.lower, other, bracket.apart_at, bracket.earlier,
-                        search_.partingAt(bracket.reference, other), Closest(), views_);
-    const double needed = (near.position - facts.position).norm() + near.position_error;
+    const Proposal proposal{search_.partingAt(bracket.reference, other), {}};
+    const ContactFacts its = describeContact(pair_, now, other, bracket.when(), proposal, views_);
+    const double needed = (its.position - facts.position).norm() + its.position_error;
     const bool same_place = needed <= std::max(2.0 * facts.position_error, 0.5 * options_.distance_precision);
     if (same_place || !bracket.sure_of_pair) {
       facts.position_error = std::max(facts.position_error, needed * (1.0 + 16.0 * kUnit));
-      widenCone(facts, near);
+      facts.normal_error =
+          geometry::coneOfBoth(facts.normal, facts.normal_error, its.normal, its.normal_error);
     }
     if (!same_place) event.multiple = true;
   }

@@ -46,12 +46,13 @@ class EventWriter {
     Earlier earlier;
     bool sure_of_pair;
     const Piece* incoming;  ///< whose velocities at its end are reported; null: this piece's
+
+    Bracketed when() const { return {upper - lower, apart_at, earlier}; }
   };
 
   void finish(PairEvent& event, const Bracket& bracket, ElementPair pair);
   void joinNeighbours(PairEvent& event, ContactFacts& facts, const Bracket& bracket, ElementPair pair);
   static void takeVelocities(ContactFacts& facts, const Piece& incoming);
-  static void widenCone(ContactFacts& facts, const ContactFacts& other);
 
   const PairPiece& pair_;
   const Piece& piece_;

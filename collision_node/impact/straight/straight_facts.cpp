@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision_node/geometry/normal_cone.h"
 #include "collision_node/impact/straight/closest_on_triangle.h"
 
 namespace collision_node::impact {
@@ -106,9 +107,7 @@ __attribute__((flatten)) void writeStraight(const Piece& piece, const PairOption
       continue;
     }
     place.point_error = std::max(place.point_error, needed * kUp);
-    const double lean = 2.0 * std::asin(std::min(1.0, 0.5 * (other.direction - place.direction).norm()));
-    // Written so that NaN widens to "unknown".
-    if (!(lean + other.cone <= place.cone)) place.cone = lean + other.cone < M_PI ? lean + other.cone : M_PI;
+    place.cone = geometry::coneOfBoth(place.direction, place.cone, other.direction, other.cone);
   }
 
   const motion::LinearPart& line = path.line();
