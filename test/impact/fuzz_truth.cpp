@@ -29,7 +29,7 @@ void describeContact(const Pair& pair, Truth& truth) {
   const bool round = pair.hasTwoCylinders();
   const Real hair = std::max((round ? 1e-5L : 1e-8L) * smaller, 1e6L * pair.touchDistance());
   const Real before = hair / std::max(pair.maxSpeed(), 1e-300L);
-  Real drift = 0;
+  Real drift = 0, hair_gap = 0;
   for (Real factor : {1.0L, 10.0L, 1e-3L}) {
     if (round && factor < 1) continue;  // their nearest points are too rough there
     const Real t = touch.lo - factor * before;
@@ -37,12 +37,18 @@ void describeContact(const Pair& pair, Truth& truth) {
     const oracle::Gap gap = pair.partGapAt(touch.part_a, touch.part_b, t);
     if (!(gap.upper > 0)) return;
     const V3 normal = (1 / norm(gap.b - gap.a)) * (gap.b - gap.a);
-    if (factor == 1) truth.normal = normal, truth.normal_spread = 1e-9L, drift = norm(gap.a - local);
+    if (factor == 1)
+      truth.normal = normal, truth.normal_spread = 1e-9L, drift = norm(gap.a - local), hair_gap = gap.upper;
     truth.normal_spread += 3 * angleBetween(truth.normal, normal);
   }
   truth.normal_known = truth.normal_spread < 1e-3L;
   truth.point_sharp = truth.point_known && truth.normal_known && !round && drift < 1e-5L * smaller;
   truth.closing_speed = -dot(fb.velocityAt(truth.point) - fa.velocityAt(truth.point), truth.normal);
+  // Along the touch's own normal the gap closes with that speed. Else other features come first in the end,
+  // within the hair, which is a wide one for cylinders.
+  constexpr Real kSame = 1e-3L;
+  if (round && !(std::abs(truth.closing_speed * before - hair_gap) <= kSame * hair_gap))
+    truth.normal_known = truth.point_sharp = false;
 }
 
 /// Whether the first contact outlives b's being held back by 1e3 budget; for a point through a surface, which
